@@ -1,0 +1,54 @@
+//! What flows from the transform to the writer: what follows for the camera, one moment at a time.
+
+use nalgebra::Vector3;
+
+use crate::{geometry::RollPitchYaw, sample::Stamp};
+
+/// A derived value and the times of the sample that it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Derived {
+    pub stamp: Stamp,
+    pub value: Value,
+}
+
+/// What was derived.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// How the camera turned since the previous attitude sample, in the axes that it had then.
+    RelativeRpy {
+        /// Nanoseconds since the previous sample.
+        interval: u64,
+        rpy: RollPitchYaw,
+    },
+    /// The drone's velocity over ground in the camera's axes, m/s.
+    CameraVelocity(Vector3<f64>),
+}
+
+/// The quantities that can be derived. Each is one topic of the result; at equal times they come in this
+/// order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Quantity {
+    RelativeRpy,
+    CameraVelocity,
+}
+
+impl Quantity {
+    pub const ALL: [Quantity; 2] = [Quantity::RelativeRpy, Quantity::CameraVelocity];
+
+    /// The topic that it is written to.
+    pub fn topic(self) -> &'static str {
+        match self {
+            Quantity::RelativeRpy => "/camera/relative_rpy",
+            Quantity::CameraVelocity => "/camera/velocity",
+        }
+    }
+}
+
+impl Derived {
+    pub fn quantity(&self) -> Quantity {
+        match self.value {
+            Value::RelativeRpy { .. } => Quantity::RelativeRpy,
+            Value::CameraVelocity(_) => Quantity::CameraVelocity,
+        }
+    }
+}

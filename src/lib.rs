@@ -1,0 +1,8 @@
+//! Adds the camera's motion to drone flight logs in MCAP: where it looked, how it moved.
+#![forbid(unsafe_code)]
+
+pub mod derived;
+pub mod geometry;
+pub mod messages;
+pub mod sample;
+pub mod transform;
