@@ -2,7 +2,9 @@
 #![forbid(unsafe_code)]
 
 pub mod derived;
+pub mod error;
 pub mod geometry;
+pub mod log;
 pub mod messages;
 pub mod sample;
 pub mod transform;

@@ -1,0 +1,150 @@
+//! What can go wrong, said so that the user knows what to do about it.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+use crate::{derived::Quantity, log::ForeignFormat};
+
+/// Why a log could not be enriched. Every message names the file, the cause, and the way out.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    #[error("{}: {action}: {source}", path.display())]
+    Io {
+        action: &'static str,
+        path: PathBuf,
+        source: io::Error,
+    },
+
+    #[error("{}: not a regular file; flightcam reads MCAP files", path.display())]
+    NotAFile { path: PathBuf },
+
+    #[error("{}: the file is empty; was the recording or the download interrupted?", path.display())]
+    Empty { path: PathBuf },
+
+    #[error("{}: not an MCAP file: {}", path.display(), foreign_format_advice(*kind))]
+    NotMcap {
+        path: PathBuf,
+        kind: Option<ForeignFormat>,
+    },
+
+    #[error(
+        "{}: damaged at byte {offset}: {what}; \
+         `mcap recover` (https://mcap.dev) saves what can still be read into a new file", path.display()
+    )]
+    Corrupt {
+        path: PathBuf,
+        offset: u64,
+        what: String,
+    },
+
+    #[error("{}: no usable telemetry\n{details}", path.display())]
+    NoTelemetry { path: PathBuf, details: String },
+
+    #[error("{}: the profile `{profile}` does not fit: {problem}", path.display())]
+    ProfileDoesNotFit {
+        path: PathBuf,
+        profile: String,
+        problem: String,
+    },
+
+    #[error(
+        "unknown profile `{name}`: the built-in profiles are {}; \
+         a profile of your own is given as the path of a .toml file", builtin.join(", ")
+    )]
+    UnknownProfile { name: String, builtin: Vec<String> },
+
+    #[error("{}: not a profile: {problem}", path.display())]
+    BadProfile { path: PathBuf, problem: String },
+
+    #[error(
+        "{}: no sample is usable, so there is nothing to write\n{details}", path.display()
+    )]
+    NothingDerived { path: PathBuf, details: String },
+
+    #[error(
+        "{}: has {} from an earlier run of flightcam ({made_by}); \
+         enrich the original log instead", path.display(), quantity.topic()
+    )]
+    AlreadyEnriched {
+        path: PathBuf,
+        quantity: Quantity,
+        made_by: String,
+    },
+
+    #[error(
+        "{}: already has a topic {}, which flightcam did not write (schema `{schema}`); \
+         rename or remove that topic first, it would not be told apart from flightcam's",
+        path.display(), quantity.topic()
+    )]
+    TopicTaken {
+        path: PathBuf,
+        quantity: Quantity,
+        schema: String,
+    },
+
+    #[error("{}: all {what} ids of the log are in use, so no topic can be added", path.display())]
+    NoFreeId { path: PathBuf, what: &'static str },
+
+    #[error(
+        "{}: exists already; choose another output with -o, or replace it with --force", path.display()
+    )]
+    OutputExists { path: PathBuf },
+
+    #[error(
+        "{}: the output would replace the input; choose another output with -o", path.display()
+    )]
+    OutputIsInput { path: PathBuf },
+
+    #[error(
+        "{}: the output's folder {} does not exist; create it, or choose another output with -o",
+        path.display(), folder.display()
+    )]
+    NoOutputFolder { path: PathBuf, folder: PathBuf },
+
+    #[error("{}: cannot append to the log: {source}", path.display())]
+    Append {
+        path: PathBuf,
+        source: mcap::McapError,
+    },
+}
+
+impl Error {
+    pub(crate) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        Self::Io {
+            action,
+            path: path.into(),
+            source,
+        }
+    }
+
+    /// Whether what was asked for was wrong, whatever the log holds.
+    pub fn is_usage(&self) -> bool {
+        matches!(
+            self,
+            Self::UnknownProfile { .. } | Self::BadProfile { .. } | Self::OutputIsInput { .. }
+        )
+    }
+}
+
+fn foreign_format_advice(kind: Option<ForeignFormat>) -> &'static str {
+    match kind {
+        Some(ForeignFormat::ULog) => {
+            "it is a PX4 ULog; convert it to MCAP first, for instance by opening and exporting it in Foxglove"
+        }
+        Some(ForeignFormat::Rosbag) => {
+            "it is a ROS 1 bag; convert it first with `mcap convert INPUT OUTPUT.mcap` (https://mcap.dev)"
+        }
+        Some(ForeignFormat::Sqlite) => {
+            "it is an SQLite database, perhaps a ROS 2 bag; convert it first with `ros2 bag convert`"
+        }
+        Some(ForeignFormat::DataFlash) => {
+            "it is an ArduPilot DataFlash log; convert it to MCAP first"
+        }
+        None => {
+            "it does not begin with the magic bytes of an MCAP; check that it is the log you meant"
+        }
+    }
+}

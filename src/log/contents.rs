@@ -1,0 +1,161 @@
+//! What a log holds: the merged knowledge of its summary and of what was scanned.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::Range,
+};
+
+use mcap::records::{
+    AttachmentIndex, Channel, ChunkIndex, MessageIndex, MetadataIndex, SchemaHeader, Statistics,
+};
+
+use super::record::{Raw, parse};
+
+/// Everything that the log's records add up to, in memory that does not depend on how many messages it has.
+#[derive(Debug, Clone, Default)]
+pub struct Contents {
+    pub schemas: BTreeMap<u16, Schema>,
+    pub channels: BTreeMap<u16, Raw<Channel>>,
+    /// Where the messages lie, in the order of the file.
+    pub segments: Vec<Segment>,
+    pub attachments: Vec<Raw<AttachmentIndex>>,
+    pub metadata: Vec<Raw<MetadataIndex>>,
+    pub statistics: Statistics,
+    /// Records of the summary section whose meaning this program does not know: opcode and body.
+    pub unknown_summary: Vec<(u8, Vec<u8>)>,
+}
+
+/// A schema, as its record says it.
+#[derive(Debug, Clone)]
+pub struct Schema {
+    pub id: u16,
+    pub name: String,
+    pub encoding: String,
+    /// The whole body of the schema's record.
+    pub body: Vec<u8>,
+    data: Range<usize>,
+}
+
+impl Schema {
+    /// Reads the body of a schema record; `None` if it breaks off.
+    pub fn parse(body: &[u8]) -> Option<Self> {
+        let header: SchemaHeader = parse(body).ok()?;
+        // Both strings are prefixed with their lengths, and so is the data behind them.
+        let prefix = 2 + 4 + header.name.len() + 4 + header.encoding.len();
+        let (length, data) = body.get(prefix..)?.split_first_chunk()?;
+        let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
+        data.get(..length)?;
+        let start = prefix + 4;
+        Some(Self {
+            id: header.id,
+            name: header.name,
+            encoding: header.encoding,
+            body: body.to_vec(),
+            data: start..start + length,
+        })
+    }
+
+    /// The definition itself, in the schema's encoding.
+    pub fn data(&self) -> &[u8] {
+        &self.body[self.data.clone()]
+    }
+}
+
+/// A stretch of the file that holds messages: a chunk, or a run of messages outside chunks.
+#[derive(Debug, Clone)]
+pub struct Segment {
+    /// Where its first record starts.
+    pub offset: u64,
+    /// Bytes from there to the end of its last record (message indexes not included).
+    pub length: u64,
+    /// Log times of its earliest and latest message; `None` where it has no message.
+    pub times: Option<(u64, u64)>,
+    /// Messages by channel id.
+    pub message_counts: BTreeMap<u16, u64>,
+    pub kind: SegmentKind,
+}
+
+#[derive(Debug, Clone)]
+pub enum SegmentKind {
+    Chunk {
+        index: Raw<ChunkIndex>,
+        /// Message indexes that the log does not have. Where there are some, the chunk index does not
+        /// point to message indexes yet.
+        missing_indexes: Vec<MessageIndex>,
+    },
+    /// Messages outside chunks. No index can point to them.
+    Loose,
+}
+
+impl Contents {
+    /// Whether messages lie outside chunks. Readers that find a chunk index look nowhere else.
+    pub fn has_loose_messages(&self) -> bool {
+        self.segments
+            .iter()
+            .any(|segment| matches!(segment.kind, SegmentKind::Loose))
+    }
+
+    /// The channel ids that stand anywhere in the log.
+    pub fn channel_ids(&self) -> BTreeSet<u16> {
+        let segments = self.segments.iter().flat_map(|s| s.message_counts.keys());
+        let statistics = self.statistics.channel_message_counts.keys();
+        self.channels
+            .keys()
+            .chain(segments)
+            .chain(statistics)
+            .copied()
+            .collect()
+    }
+
+    /// The schema ids that stand anywhere in the log.
+    pub fn schema_ids(&self) -> BTreeSet<u16> {
+        let named = self
+            .channels
+            .values()
+            .map(|channel| channel.record.schema_id);
+        self.schemas
+            .keys()
+            .copied()
+            .chain(named)
+            .filter(|&id| id != 0)
+            .collect()
+    }
+
+    /// The schema of a channel; `None` where it has none or names one that the log does not hold.
+    pub fn schema_of(&self, channel: &Channel) -> Option<&Schema> {
+        self.schemas.get(&channel.schema_id)
+    }
+
+    /// How many messages a channel has.
+    pub fn message_count(&self, channel_id: u16) -> u64 {
+        self.segments
+            .iter()
+            .filter_map(|segment| segment.message_counts.get(&channel_id))
+            .sum()
+    }
+
+    /// Statistics of what is listed here, whatever the log's own said.
+    pub fn recount(&self) -> Statistics {
+        let mut counts = BTreeMap::new();
+        for (&id, &count) in self.segments.iter().flat_map(|s| &s.message_counts) {
+            *counts.entry(id).or_default() += count;
+        }
+        let times = || self.segments.iter().filter_map(|segment| segment.times);
+        let chunks = self
+            .segments
+            .iter()
+            .filter(|segment| matches!(segment.kind, SegmentKind::Chunk { .. }));
+        Statistics {
+            message_count: counts.values().sum(),
+            // At most 65535: the id 0 means "no schema".
+            schema_count: self.schemas.len() as u16,
+            channel_count: self.channels.len() as u32,
+            attachment_count: self.attachments.len() as u32,
+            metadata_count: self.metadata.len() as u32,
+            chunk_count: chunks.count() as u32,
+            message_start_time: times().map(|(start, _)| start).min().unwrap_or(0),
+            message_end_time: times().map(|(_, end)| end).max().unwrap_or(0),
+            channel_message_counts: counts,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Records as MCAP frames them: an opcode, a length, a body (<https://mcap.dev/spec#records>).
+
+use std::io::Cursor;
+
+use binrw::{BinRead, BinWrite};
+
+/// Bytes before a record's body: its opcode and its length.
+pub const FRAME_LENGTH: usize = 1 + 8;
+
+/// Bytes of a message record's body before the payload.
+const MESSAGE_HEADER_LENGTH: usize = 2 + 4 + 8 + 8;
+
+/// One record, still in the buffer that it was read into.
+#[derive(Debug, Clone, Copy)]
+pub struct RawRecord<'a> {
+    pub opcode: u8,
+    /// Where the record starts in its buffer.
+    pub offset: usize,
+    pub body: &'a [u8],
+}
+
+/// A record whose length runs past the end of what holds it, or no whole opcode and length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a record breaks off")]
+pub struct Torn {
+    pub offset: usize,
+}
+
+/// The records that follow one another in a buffer.
+#[derive(Debug, Clone)]
+pub struct Records<'a> {
+    bytes: &'a [u8],
+    position: usize,
+}
+
+impl<'a> Records<'a> {
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, position: 0 }
+    }
+}
+
+impl<'a> Iterator for Records<'a> {
+    type Item = Result<RawRecord<'a>, Torn>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let offset = self.position;
+        let rest = &self.bytes[offset..];
+        if rest.is_empty() {
+            return None;
+        }
+        let record = split_frame(rest).and_then(|(opcode, length)| {
+            let end = FRAME_LENGTH.checked_add(usize::try_from(length).ok()?)?;
+            let body = rest.get(FRAME_LENGTH..end)?;
+            Some(RawRecord {
+                opcode,
+                offset,
+                body,
+            })
+        });
+        // After a torn record nothing can be told apart any more.
+        self.position = record.map_or(self.bytes.len(), |record| {
+            offset + FRAME_LENGTH + record.body.len()
+        });
+        Some(record.ok_or(Torn { offset }))
+    }
+}
+
+/// The opcode and the length that a record starts with.
+pub fn split_frame(bytes: &[u8]) -> Option<(u8, u64)> {
+    let (&opcode, rest) = bytes.split_first()?;
+    let (length, _) = rest.split_first_chunk()?;
+    Some((opcode, u64::from_le_bytes(*length)))
+}
+
+/// A message, its payload still in the buffer that it was read into.
+#[derive(Debug, Clone, Copy)]
+pub struct RawMessage<'a> {
+    pub channel_id: u16,
+    pub log_time: u64,
+    pub publish_time: u64,
+    pub payload: &'a [u8],
+}
+
+impl<'a> RawMessage<'a> {
+    /// Reads the body of a message record; `None` if it is shorter than its header.
+    pub fn parse(body: &'a [u8]) -> Option<Self> {
+        let (header, payload) = body.split_at_checked(MESSAGE_HEADER_LENGTH)?;
+        let header: mcap::records::MessageHeader = parse(header).ok()?;
+        Some(Self {
+            channel_id: header.channel_id,
+            log_time: header.log_time,
+            publish_time: header.publish_time,
+            payload,
+        })
+    }
+}
+
+/// A record and the body that it was read from. A later version of the format may append fields to a
+/// record; writing the body again keeps them.
+#[derive(Debug, Clone)]
+pub struct Raw<T> {
+    pub record: T,
+    pub body: Vec<u8>,
+}
+
+impl<T> Raw<T>
+where
+    T: for<'a> BinRead<Args<'a> = ()> + for<'a> BinWrite<Args<'a> = ()>,
+{
+    pub fn parse(body: &[u8]) -> binrw::BinResult<Self> {
+        Ok(Self {
+            record: parse(body)?,
+            body: body.to_vec(),
+        })
+    }
+
+    pub fn new(record: T) -> Self {
+        let body = serialize(&record);
+        Self { record, body }
+    }
+}
+
+/// Reads a record's body.
+pub fn parse<T: for<'a> BinRead<Args<'a> = ()>>(body: &[u8]) -> binrw::BinResult<T> {
+    T::read_le(&mut Cursor::new(body))
+}
+
+/// A record's body, ready to be framed.
+pub fn serialize<T: for<'a> BinWrite<Args<'a> = ()>>(record: &T) -> Vec<u8> {
+    let mut body = Cursor::new(Vec::new());
+    record
+        .write_le(&mut body)
+        .expect("writing to memory does not fail");
+    body.into_inner()
+}
+
+/// Appends a whole record to `out`.
+pub fn push_record(out: &mut Vec<u8>, opcode: u8, body: &[u8]) {
+    out.push(opcode);
+    out.extend_from_slice(&(body.len() as u64).to_le_bytes());
+    out.extend_from_slice(body);
+}

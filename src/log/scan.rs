@@ -1,0 +1,393 @@
+//! Learning what a log holds from its records themselves, where its summary does not say.
+
+use std::collections::BTreeMap;
+
+use mcap::records::{
+    AttachmentHeader, AttachmentIndex, ChunkIndex, MessageIndex, MessageIndexEntry, Metadata,
+    MetadataIndex, Record, op,
+};
+
+use super::{
+    chunk::ChunkDecoder,
+    contents::{Contents, Schema, Segment, SegmentKind},
+    file::LogFile,
+    record::{FRAME_LENGTH, Raw, RawMessage, Records, parse, split_frame},
+};
+use crate::error::Error;
+
+/// How much is read at once where records follow one another closely.
+const WINDOW: u64 = 64 * 1024;
+
+/// Where a run of messages outside chunks ends at the latest, so that no reader needs to hold a long run.
+const LOOSE_RUN: u64 = 1024 * 1024;
+
+/// Enough of an attachment's body for its header, whose name and media type are short.
+const ATTACHMENT_HEADER: u64 = 4096;
+
+/// A record's place in the file.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    pub opcode: u8,
+    pub offset: u64,
+    /// Bytes of its body.
+    pub length: u64,
+}
+
+impl Frame {
+    /// Where the next record starts.
+    pub fn end(&self) -> u64 {
+        self.offset + FRAME_LENGTH as u64 + self.length
+    }
+
+    fn body_offset(&self) -> u64 {
+        self.offset + FRAME_LENGTH as u64
+    }
+}
+
+/// What comes next in a stretch of records.
+#[derive(Debug, Clone, Copy)]
+pub enum Step {
+    Record(Frame),
+    /// The stretch ends where a record ends.
+    End,
+    /// Here the stretch stops making sense: a record runs past its end, or has an opcode that none has.
+    Torn {
+        offset: u64,
+    },
+}
+
+/// Steps from record to record, reading opcodes and lengths but no bodies unless asked.
+pub struct Walker<'a> {
+    file: &'a LogFile,
+    position: u64,
+    end: u64,
+    window: Vec<u8>,
+    window_start: u64,
+}
+
+impl<'a> Walker<'a> {
+    /// Over the records from `start` to `end`.
+    pub fn new(file: &'a LogFile, start: u64, end: u64) -> Self {
+        Self {
+            file,
+            position: start,
+            end: end.min(file.len()),
+            window: Vec::new(),
+            window_start: 0,
+        }
+    }
+
+    pub fn step(&mut self) -> Result<Step, Error> {
+        let offset = self.position;
+        if offset >= self.end {
+            return Ok(Step::End);
+        }
+        let torn = Ok(Step::Torn { offset });
+        if self.end - offset < FRAME_LENGTH as u64 {
+            return torn;
+        }
+        let Some((opcode, length)) = split_frame(self.bytes(offset, FRAME_LENGTH as u64)?) else {
+            return torn;
+        };
+        let room = self.end - offset - FRAME_LENGTH as u64;
+        // A file system that lost its last blocks leaves zeros.
+        if opcode == 0 || length > room {
+            return torn;
+        }
+        let frame = Frame {
+            opcode,
+            offset,
+            length,
+        };
+        self.position = frame.end();
+        Ok(Step::Record(frame))
+    }
+
+    /// The first `most` bytes of a record's body, or all of it where it is shorter.
+    pub fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error> {
+        self.bytes(frame.body_offset(), frame.length.min(most))
+    }
+
+    fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], Error> {
+        let window_end = self.window_start + self.window.len() as u64;
+        if offset < self.window_start || offset + length > window_end {
+            let ahead = length.max(WINDOW).min(self.file.len() - offset);
+            self.file
+                .read_into(&mut self.window, offset, ahead.max(length))?;
+            self.window_start = offset;
+        }
+        let start = (offset - self.window_start) as usize;
+        Ok(&self.window[start..start + length as usize])
+    }
+}
+
+/// Collects what records say, one after the other in the order of the file.
+#[derive(Default)]
+pub struct Collector {
+    pub contents: Contents,
+    decoder: ChunkDecoder,
+    raw_chunk: Vec<u8>,
+    /// The chunk that message indexes may still follow.
+    open_chunk: Option<OpenChunk>,
+}
+
+struct OpenChunk {
+    index: ChunkIndex,
+    entries: BTreeMap<u16, Vec<MessageIndexEntry>>,
+    /// Of the message indexes that follow it: messages by channel, and where each record starts.
+    indexed: BTreeMap<u16, u64>,
+    index_offsets: BTreeMap<u16, u64>,
+    index_length: u64,
+}
+
+impl Collector {
+    /// Goes on with what a summary said.
+    pub fn with(contents: Contents) -> Self {
+        Self {
+            contents,
+            ..Self::default()
+        }
+    }
+
+    /// Takes one record of the data section.
+    pub fn record(&mut self, walker: &mut Walker, frame: &Frame) -> Result<(), Error> {
+        if frame.opcode != op::MESSAGE_INDEX {
+            self.close_chunk();
+        }
+        let file = walker.file;
+        let malformed =
+            |what: &str| file.corrupt(frame.offset, format!("the {what} there cannot be read"));
+        match frame.opcode {
+            op::SCHEMA | op::CHANNEL => {
+                let body = walker.body(frame, u64::MAX)?;
+                self.definition(frame.opcode, body)
+                    .ok_or_else(|| malformed("schema or channel"))?;
+            }
+            op::MESSAGE => {
+                // The payload is of no interest here.
+                let message = RawMessage::parse(walker.body(frame, 22)?)
+                    .ok_or_else(|| malformed("message"))?;
+                self.loose_message(frame, message.channel_id, message.log_time);
+            }
+            op::CHUNK => self.chunk(file, frame)?,
+            op::MESSAGE_INDEX => {
+                if let Some(chunk) = &mut self.open_chunk {
+                    let index: MessageIndex = parse(walker.body(frame, u64::MAX)?)
+                        .map_err(|_| malformed("message index"))?;
+                    *chunk.indexed.entry(index.channel_id).or_default() +=
+                        index.records.len() as u64;
+                    chunk.index_offsets.insert(index.channel_id, frame.offset);
+                    chunk.index_length += frame.end() - frame.offset;
+                }
+            }
+            op::ATTACHMENT => {
+                let index =
+                    attachment_index(walker, frame)?.ok_or_else(|| malformed("attachment"))?;
+                let known = &mut self.contents.attachments;
+                if known
+                    .iter()
+                    .all(|known| known.record.offset != index.offset)
+                {
+                    known.push(Raw::new(index));
+                }
+            }
+            op::METADATA => {
+                let metadata: Metadata = parse(walker.body(frame, u64::MAX)?)
+                    .map_err(|_| malformed("metadata record"))?;
+                let known = &mut self.contents.metadata;
+                if known
+                    .iter()
+                    .all(|known| known.record.offset != frame.offset)
+                {
+                    known.push(Raw::new(MetadataIndex {
+                        offset: frame.offset,
+                        length: frame.end() - frame.offset,
+                        name: metadata.name,
+                    }));
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Everything that was collected.
+    pub fn finish(mut self) -> Contents {
+        self.close_chunk();
+        self.contents.segments.sort_by_key(|segment| segment.offset);
+        self.contents
+    }
+
+    fn definition(&mut self, opcode: u8, body: &[u8]) -> Option<()> {
+        if opcode == op::SCHEMA {
+            let schema = Schema::parse(body)?;
+            self.contents.schemas.entry(schema.id).or_insert(schema);
+        } else {
+            let channel = Raw::<mcap::records::Channel>::parse(body).ok()?;
+            let channels = &mut self.contents.channels;
+            channels.entry(channel.record.id).or_insert(channel);
+        }
+        Some(())
+    }
+
+    fn loose_message(&mut self, frame: &Frame, channel_id: u16, log_time: u64) {
+        let segments = &mut self.contents.segments;
+        let run = segments.last_mut().filter(|run| {
+            let unbroken = run.offset + run.length == frame.offset;
+            matches!(run.kind, SegmentKind::Loose) && unbroken && run.length < LOOSE_RUN
+        });
+        let run = match run {
+            Some(run) => run,
+            None => {
+                segments.push(Segment {
+                    offset: frame.offset,
+                    length: 0,
+                    times: None,
+                    message_counts: BTreeMap::new(),
+                    kind: SegmentKind::Loose,
+                });
+                segments.last_mut().expect("one was just pushed")
+            }
+        };
+        run.length = frame.end() - run.offset;
+        run.times = widen(run.times, log_time);
+        *run.message_counts.entry(channel_id).or_default() += 1;
+    }
+
+    fn chunk(&mut self, file: &LogFile, frame: &Frame) -> Result<(), Error> {
+        let mut raw = std::mem::take(&mut self.raw_chunk);
+        file.read_into(&mut raw, frame.body_offset(), frame.length)?;
+        let Ok(Record::Chunk { header, data }) = mcap::parse_record(op::CHUNK, &raw) else {
+            return Err(file.corrupt(frame.offset, "the chunk there cannot be read"));
+        };
+        let mut decoder = std::mem::take(&mut self.decoder);
+        let content = decoder.decode(&header, &data).map_err(|fault| {
+            file.corrupt(
+                frame.offset,
+                format!("the chunk there is unreadable: {fault}"),
+            )
+        })?;
+
+        let malformed = || {
+            file.corrupt(
+                frame.offset,
+                "the chunk there holds a record that breaks off",
+            )
+        };
+        let mut times = None;
+        let mut entries: BTreeMap<u16, Vec<MessageIndexEntry>> = BTreeMap::new();
+        for record in Records::new(content) {
+            let record = record.map_err(|_| malformed())?;
+            match record.opcode {
+                op::SCHEMA | op::CHANNEL => {
+                    self.definition(record.opcode, record.body)
+                        .ok_or_else(malformed)?;
+                }
+                op::MESSAGE => {
+                    let message = RawMessage::parse(record.body).ok_or_else(malformed)?;
+                    times = widen(times, message.log_time);
+                    entries
+                        .entry(message.channel_id)
+                        .or_default()
+                        .push(MessageIndexEntry {
+                            log_time: message.log_time,
+                            offset: record.offset as u64,
+                        });
+                }
+                _ => {}
+            }
+        }
+        let (message_start_time, message_end_time) = times.unwrap_or((0, 0));
+        self.open_chunk = Some(OpenChunk {
+            index: ChunkIndex {
+                message_start_time,
+                message_end_time,
+                chunk_start_offset: frame.offset,
+                chunk_length: frame.end() - frame.offset,
+                message_index_offsets: BTreeMap::new(),
+                message_index_length: 0,
+                compression: header.compression,
+                compressed_size: header.compressed_size,
+                uncompressed_size: header.uncompressed_size,
+            },
+            entries,
+            indexed: BTreeMap::new(),
+            index_offsets: BTreeMap::new(),
+            index_length: 0,
+        });
+        self.decoder = decoder;
+        self.raw_chunk = raw;
+        Ok(())
+    }
+
+    fn close_chunk(&mut self) {
+        let Some(chunk) = self.open_chunk.take() else {
+            return;
+        };
+        let mut index = chunk.index;
+        let message_counts: BTreeMap<u16, u64> = chunk
+            .entries
+            .iter()
+            .map(|(&id, entries)| (id, entries.len() as u64))
+            .collect();
+        let mut indexed = chunk.indexed;
+        indexed.retain(|_, count| *count > 0);
+
+        let missing_indexes = if indexed == message_counts {
+            index.message_index_offsets = chunk.index_offsets;
+            index.message_index_length = chunk.index_length;
+            Vec::new()
+        } else {
+            chunk
+                .entries
+                .into_iter()
+                .map(|(channel_id, mut records)| {
+                    records.sort_by_key(|entry| entry.log_time);
+                    MessageIndex {
+                        channel_id,
+                        records,
+                    }
+                })
+                .collect()
+        };
+        self.contents.segments.push(Segment {
+            offset: index.chunk_start_offset,
+            length: index.chunk_length,
+            times: (!message_counts.is_empty())
+                .then_some((index.message_start_time, index.message_end_time)),
+            message_counts,
+            kind: SegmentKind::Chunk {
+                index: Raw::new(index),
+                missing_indexes,
+            },
+        });
+    }
+}
+
+fn widen(times: Option<(u64, u64)>, time: u64) -> Option<(u64, u64)> {
+    let (start, end) = times.unwrap_or((time, time));
+    Some((start.min(time), end.max(time)))
+}
+
+fn attachment_index(walker: &mut Walker, frame: &Frame) -> Result<Option<AttachmentIndex>, Error> {
+    for most in [ATTACHMENT_HEADER, u64::MAX] {
+        let body = walker.body(frame, most)?;
+        let Ok(header) = parse::<AttachmentHeader>(body) else {
+            continue;
+        };
+        let before_size = 8 + 8 + 4 + header.name.len() + 4 + header.media_type.len();
+        let Some((size, _)) = body.get(before_size..).and_then(<[u8]>::split_first_chunk) else {
+            continue;
+        };
+        return Ok(Some(AttachmentIndex {
+            offset: frame.offset,
+            length: frame.end() - frame.offset,
+            log_time: header.log_time,
+            create_time: header.create_time,
+            data_size: u64::from_le_bytes(*size),
+            name: header.name,
+            media_type: header.media_type,
+        }));
+    }
+    Ok(None)
+}
