@@ -6,5 +6,7 @@ pub mod error;
 pub mod geometry;
 pub mod log;
 pub mod messages;
+pub mod reader;
 pub mod sample;
+pub mod source;
 pub mod transform;

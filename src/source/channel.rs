@@ -1,0 +1,264 @@
+//! One channel of telemetry: its messages → samples.
+
+use mcap::records::Channel;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use super::{
+    Unresolved,
+    field::{FieldPath, FieldValue, Undecodable},
+    json,
+    profile::{AngleUnit, Orientation, Profile},
+    protobuf,
+};
+use crate::{
+    error::Error,
+    geometry::RollPitchYaw,
+    log::{Log, record::RawMessage},
+    sample::{AttitudeSample, DropReason, Kind, Sample, Stamp, VelocitySample},
+};
+
+/// Lengths that a quaternion may have and still be taken for a rotation. Rounding and a filter's drift stay
+/// far within; all zeros, or four other numbers, fall outside.
+const QUATERNION_LENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
+/// Reads samples from one channel's messages.
+#[derive(Debug)]
+pub struct ChannelSource {
+    decoder: Decoder,
+    slots: Vec<FieldValue>,
+    attitude: Option<AttitudeSlots>,
+    velocity: Option<VelocitySlots>,
+    largest_angle: f64,
+}
+
+#[derive(Debug)]
+enum Decoder {
+    Protobuf(protobuf::Decoder),
+    Json(json::Decoder),
+}
+
+/// Where the decoder puts what an attitude is made of.
+#[derive(Debug)]
+struct AttitudeSlots {
+    orientation: OrientationSlots,
+    reset_counter: Option<usize>,
+}
+
+#[derive(Debug)]
+enum OrientationSlots {
+    Quaternion(usize),
+    Euler { rpy: [usize; 3], unit: AngleUnit },
+}
+
+#[derive(Debug)]
+struct VelocitySlots {
+    ned: [usize; 3],
+    valid: Vec<usize>,
+}
+
+impl ChannelSource {
+    /// Resolves the profile's fields for the wanted kinds of sample against a channel.
+    pub fn new(
+        log: &Log,
+        channel: &Channel,
+        profile: &Profile,
+        kinds: &[Kind],
+    ) -> Result<Result<Self, Unresolved>, Error> {
+        let mut paths: Vec<FieldPath> = Vec::new();
+        let mut slot_of = |path: &FieldPath| {
+            let known = paths.iter().position(|other| other == path);
+            known.unwrap_or_else(|| {
+                paths.push(path.clone());
+                paths.len() - 1
+            })
+        };
+        let mut attitude = None;
+        let mut velocity = None;
+        if kinds.contains(&Kind::Attitude) {
+            let role = &profile.attitude;
+            let orientation = match &role.orientation {
+                Orientation::Quaternion(quaternion) => {
+                    OrientationSlots::Quaternion(slot_of(quaternion))
+                }
+                Orientation::Euler {
+                    roll,
+                    pitch,
+                    yaw,
+                    unit,
+                } => OrientationSlots::Euler {
+                    rpy: [roll, pitch, yaw].map(&mut slot_of),
+                    unit: *unit,
+                },
+            };
+            let reset_counter = match &role.reset_counter {
+                Some(counter) if counter.optional => {
+                    match Decoder::new(log, channel, std::slice::from_ref(&counter.field))? {
+                        Ok(_) => Some(slot_of(&counter.field)),
+                        Err(_) => None,
+                    }
+                }
+                Some(counter) => Some(slot_of(&counter.field)),
+                None => None,
+            };
+            attitude = Some(AttitudeSlots {
+                orientation,
+                reset_counter,
+            });
+        }
+        if let Some(role) = &profile.velocity
+            && kinds.contains(&Kind::Velocity)
+        {
+            velocity = Some(VelocitySlots {
+                ned: role.ned.each_ref().map(&mut slot_of),
+                valid: role.valid.iter().map(&mut slot_of).collect(),
+            });
+        }
+        let decoder = Decoder::new(log, channel, &paths)?;
+        Ok(decoder.map(|decoder| Self {
+            decoder,
+            slots: vec![FieldValue::default(); paths.len()],
+            attitude,
+            velocity,
+            largest_angle: 0.0,
+        }))
+    }
+
+    /// Reads one message. `emit` gets a sample, or why there is none, for each kind that the channel has.
+    pub fn read(
+        &mut self,
+        message: &RawMessage,
+        mut emit: impl FnMut(Kind, Result<Sample, DropReason>),
+    ) {
+        self.slots.iter_mut().for_each(FieldValue::clear);
+        let decoded = self.decoder.decode(message.payload, &mut self.slots);
+        let decoded = decoded.map_err(|Undecodable| DropReason::Undecodable);
+        let stamp = Stamp {
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        };
+        if let Some(slots) = &self.attitude {
+            let sample = decoded.and_then(|()| {
+                let (orientation, largest_angle) = slots.orientation.read(&self.slots)?;
+                self.largest_angle = self.largest_angle.max(largest_angle);
+                let counter = slots
+                    .reset_counter
+                    .and_then(|slot| self.slots[slot].number());
+                Ok(Sample::Attitude(AttitudeSample {
+                    stamp,
+                    orientation,
+                    reset_counter: counter.map(|counter| counter as u64),
+                }))
+            });
+            emit(Kind::Attitude, sample);
+        }
+        if let Some(slots) = &self.velocity {
+            let sample = decoded.and_then(|()| {
+                let velocity_ned = slots.read(&self.slots)?;
+                Ok(Sample::Velocity(VelocitySample {
+                    stamp,
+                    velocity_ned,
+                }))
+            });
+            emit(Kind::Velocity, sample);
+        }
+    }
+
+    /// The largest Euler angle that was read, in the profile's unit; 0 where the log has quaternions.
+    pub fn largest_angle(&self) -> f64 {
+        self.largest_angle
+    }
+}
+
+impl Decoder {
+    fn new(
+        log: &Log,
+        channel: &Channel,
+        paths: &[FieldPath],
+    ) -> Result<Result<Self, Unresolved>, Error> {
+        let schema = log.contents.schema_of(channel);
+        let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
+        match (channel.message_encoding.as_str(), schema_encoding, schema) {
+            ("protobuf", "protobuf", Some(schema)) => {
+                let decoder = protobuf::Decoder::new(&schema.name, schema.data(), paths);
+                Ok(decoder.map(Self::Protobuf))
+            }
+            ("json", "jsonschema" | "", schema) => {
+                let data = schema
+                    .map(|schema| schema.data())
+                    .filter(|data| !data.is_empty());
+                let example = || log.first_payload(channel.id);
+                Ok(json::Decoder::new(data, paths, example)?.map(Self::Json))
+            }
+            (message_encoding, schema_encoding, _) => Ok(Err(Unresolved::Encoding {
+                message_encoding: message_encoding.to_owned(),
+                schema_encoding: schema_encoding.to_owned(),
+            })),
+        }
+    }
+
+    fn decode(&self, message: &[u8], slots: &mut [FieldValue]) -> Result<(), Undecodable> {
+        match self {
+            Self::Protobuf(decoder) => decoder.decode(message, slots),
+            Self::Json(decoder) => decoder.decode(message, slots),
+        }
+    }
+}
+
+impl OrientationSlots {
+    /// The attitude, and the largest Euler angle of which it was made.
+    fn read(&self, slots: &[FieldValue]) -> Result<(UnitQuaternion<f64>, f64), DropReason> {
+        match self {
+            Self::Quaternion(slot) => {
+                let value = &slots[*slot];
+                if !value.is_present() {
+                    return Err(DropReason::MissingField);
+                }
+                if value.numbers().iter().any(|number| !number.is_finite()) {
+                    return Err(DropReason::NonFinite);
+                }
+                let [w, x, y, z] = value.four().ok_or(DropReason::NotARotation)?;
+                let quaternion = Quaternion::new(w, x, y, z);
+                if !QUATERNION_LENGTHS.contains(&quaternion.norm()) {
+                    return Err(DropReason::NotARotation);
+                }
+                Ok((UnitQuaternion::from_quaternion(quaternion), 0.0))
+            }
+            Self::Euler { rpy, unit } => {
+                let [roll, pitch, yaw] = finite(rpy, slots)?;
+                let rpy = RollPitchYaw {
+                    roll: unit.to_radians(roll),
+                    pitch: unit.to_radians(pitch),
+                    yaw: unit.to_radians(yaw),
+                };
+                let largest = roll.abs().max(pitch.abs()).max(yaw.abs());
+                Ok((rpy.to_quaternion(), largest))
+            }
+        }
+    }
+}
+
+impl VelocitySlots {
+    fn read(&self, slots: &[FieldValue]) -> Result<Vector3<f64>, DropReason> {
+        let velocity = finite(&self.ned, slots)?;
+        for &slot in &self.valid {
+            let valid = slots[slot].number().ok_or(DropReason::MissingField)?;
+            if valid == 0.0 {
+                return Err(DropReason::MarkedInvalid);
+            }
+        }
+        Ok(velocity.into())
+    }
+}
+
+/// Three numbers, if all are there and finite.
+fn finite(wanted: &[usize; 3], slots: &[FieldValue]) -> Result<[f64; 3], DropReason> {
+    let mut numbers = [0.0; 3];
+    for (number, &slot) in numbers.iter_mut().zip(wanted) {
+        *number = slots[slot].number().ok_or(DropReason::MissingField)?;
+    }
+    if numbers.iter().all(|number| number.is_finite()) {
+        Ok(numbers)
+    } else {
+        Err(DropReason::NonFinite)
+    }
+}
