@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod derived;
+pub mod enrich;
 pub mod error;
 pub mod geometry;
 pub mod log;
@@ -10,3 +11,7 @@ pub mod reader;
 pub mod sample;
 pub mod source;
 pub mod transform;
+pub mod writer;
+
+pub use enrich::{Options, Progress, Report, enrich};
+pub use error::Error;

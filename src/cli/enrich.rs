@@ -1,0 +1,262 @@
+//! `flightcam enrich`: a log in, the same log with the camera's channels out.
+
+use std::{
+    fmt::Write as _,
+    io::{self, IsTerminal, Write},
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+use clap::{Args, CommandFactory, error::ErrorKind};
+use flightcam::{
+    Error, Options, Progress, Report,
+    enrich::{SampleReport, default_output, enrich},
+    geometry::DepressionAngle,
+    source::profile::{Profile, ProfileChoice},
+    transform::MaxGap,
+};
+use indicatif::{HumanCount, ProgressBar, ProgressStyle};
+
+use super::{Cli, Exit};
+
+/// Write a log again with /camera/relative_rpy and /camera/velocity
+///
+/// Every byte of the log's data is kept as it is; the new channels lie behind it.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  flightcam enrich flight.mcap --depression 30")]
+pub struct Arguments {
+    /// The log
+    input: PathBuf,
+
+    /// Where the result goes [default: NAME.enriched.mcap beside the log]
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+
+    /// How far the camera looks below the horizon, in degrees: 0 ahead, 30 for a gimbal pitch of -30,
+    /// 90 straight down
+    #[arg(long, value_name = "DEG", value_parser = depression_angle, allow_negative_numbers = true)]
+    depression: Option<DepressionAngle>,
+
+    /// The longest time between two attitude samples that still belong together
+    #[arg(long, value_name = "SECONDS", value_parser = max_gap, default_value = "5", allow_negative_numbers = true)]
+    max_gap: MaxGap,
+
+    /// How the log names its telemetry: a built-in profile's name or a TOML file [default: what fits]
+    #[arg(long, value_name = "NAME|FILE")]
+    profile: Option<String>,
+
+    /// Replace an output that exists
+    #[arg(long)]
+    force: bool,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+
+    /// Print the report as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let Some(depression) = arguments.depression else {
+        explain_depression();
+    };
+    let options = Options {
+        depression,
+        max_gap: arguments.max_gap,
+        profile: match &arguments.profile {
+            Some(name_or_file) => ProfileChoice::Given(Box::new(Profile::load(name_or_file)?)),
+            None => ProfileChoice::Automatic,
+        },
+        overwrite: arguments.force,
+    };
+    let input = &arguments.input;
+    let output = arguments.output.clone();
+    let output = output.unwrap_or_else(|| default_output(input));
+
+    let mut bar = Bar::new(!arguments.quiet && io::stderr().is_terminal());
+    let report = enrich(input, &output, &options, &mut |progress| {
+        bar.update(progress)
+    });
+    bar.clear();
+    let report = report?;
+
+    if arguments.json {
+        let json = serde_json::to_string_pretty(&report);
+        print(&json.expect("a report has only string keys"));
+    } else if !arguments.quiet {
+        print(&describe(&report));
+    }
+    Ok(if report.complete {
+        Exit::Done
+    } else {
+        Exit::PartlyUnreadable
+    })
+}
+
+/// Ends the process: there is no angle that would be right for somebody who did not think of it.
+fn explain_depression() -> ! {
+    Cli::command()
+        .error(
+            ErrorKind::MissingRequiredArgument,
+            "--depression DEG is missing: the angle of the camera's optical axis below the horizon, \
+             which the log does not tell\n\n  \
+             --depression 0    the camera looks ahead, at the horizon\n  \
+             --depression 30   it looks 30° down: a gimbal pitch of -30°\n  \
+             --depression 90   it looks straight down (nadir)\n\n\
+             The angle is in degrees, greater than -90 and at most 90.",
+        )
+        .exit()
+}
+
+fn depression_angle(degrees: &str) -> Result<DepressionAngle, String> {
+    let degrees: f64 = number(degrees)?;
+    DepressionAngle::from_degrees(degrees).map_err(|error| error.to_string())
+}
+
+fn max_gap(seconds: &str) -> Result<MaxGap, String> {
+    MaxGap::from_seconds(number(seconds)?).map_err(|error| error.to_string())
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "not a number".to_owned())
+}
+
+/// Writes a result to standard output. A reader that stops reading early is no error.
+fn print(text: &str) {
+    let mut out = io::stdout().lock();
+    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+}
+
+fn describe(report: &Report) -> String {
+    let mut text = String::new();
+    let mut line = |label: &str, content: &str| {
+        let _ = writeln!(text, "{label:<12}{content}");
+    };
+    line("Log", &report.input.display().to_string());
+    line(
+        "Profile",
+        &format!("{}, {}", report.profile.name, report.profile.reason),
+    );
+    line(
+        "Camera",
+        &format!("looks {}° below the horizon", report.depression_deg),
+    );
+    for (label, samples) in [
+        ("Attitude", &report.attitude),
+        ("Velocity", &report.velocity),
+    ] {
+        describe_samples(&mut line, label, samples);
+    }
+    let breaks = report.breaks;
+    if breaks.gaps > 0 {
+        let count = HumanCount(breaks.gaps);
+        let max_gap = report.max_gap_s;
+        line(
+            "",
+            &format!(
+                "{count} gaps in the attitude longer than {max_gap} s: no rotation across them"
+            ),
+        );
+    }
+    if breaks.resets > 0 {
+        let count = HumanCount(breaks.resets);
+        line(
+            "",
+            &format!("{count} resets of the attitude estimator: no rotation across them"),
+        );
+    }
+    for topic in &report.written {
+        let count = HumanCount(topic.messages);
+        line("Written", &format!("{}: {count} messages", topic.topic));
+    }
+    for topic in &report.not_written {
+        line("Not written", &format!("{}: {}", topic.topic, topic.reason));
+    }
+    line(
+        "Bytes",
+        &format!(
+            "{} copied unchanged, {} appended",
+            HumanCount(report.bytes_copied),
+            HumanCount(report.bytes_appended)
+        ),
+    );
+    for note in &report.notes {
+        line("Note", note);
+    }
+    line("Result", &report.output.display().to_string());
+    let fields: Vec<&str> = report
+        .written
+        .iter()
+        .map(|topic| match topic.topic {
+            "/camera/velocity" => "/camera/velocity.x",
+            _ => "/camera/relative_rpy.yaw",
+        })
+        .collect();
+    let _ = write!(
+        text,
+        "\nTo look at it, open the result in Foxglove (https://foxglove.dev), add a Plot panel, and plot {}.",
+        fields.join(" and ")
+    );
+    text
+}
+
+fn describe_samples(line: &mut impl FnMut(&str, &str), label: &str, samples: &SampleReport) {
+    let Some(topic) = &samples.topic else {
+        return;
+    };
+    let (used, total) = (samples.tally.used, samples.tally.total());
+    line(
+        label,
+        &format!(
+            "{topic}: {} of {} samples used",
+            HumanCount(used),
+            HumanCount(total)
+        ),
+    );
+    for (reason, count) in &samples.tally.dropped {
+        line(
+            "",
+            &format!("{} dropped: {}", HumanCount(*count), reason.describe()),
+        );
+    }
+}
+
+/// A progress bar that appears when the work takes longer than a moment.
+struct Bar {
+    wanted: bool,
+    start: Instant,
+    bar: Option<ProgressBar>,
+}
+
+impl Bar {
+    const MOMENT: Duration = Duration::from_millis(400);
+
+    fn new(wanted: bool) -> Self {
+        Self {
+            wanted,
+            start: Instant::now(),
+            bar: None,
+        }
+    }
+
+    fn update(&mut self, progress: Progress) {
+        if self.bar.is_none() && self.wanted && self.start.elapsed() > Self::MOMENT {
+            let style =
+                ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes}, {eta} left");
+            let style = style.expect("the template is well-formed");
+            self.bar = Some(ProgressBar::new(progress.total).with_style(style));
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_length(progress.total);
+            bar.set_position(progress.done);
+        }
+    }
+
+    fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,352 @@
+//! Appending to a log: copy, new messages, provenance, the original's end, summary.
+
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, BTreeSet},
+    fs::File,
+    io::{self, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write},
+};
+
+use mcap::{
+    Attachment, Compression, WriteOptions,
+    records::{ChunkIndex, DataEnd, MessageHeader, op},
+};
+use prost::Message;
+
+use super::{
+    destination::{Destination, Pending},
+    provenance,
+    region::{Region, Seal},
+    summary, tail,
+};
+use crate::{
+    derived::{Derived, Quantity, Value},
+    error::Error,
+    log::{
+        Log,
+        contents::SegmentKind,
+        record::{FRAME_LENGTH, push_record, serialize},
+    },
+    messages::{self, v1},
+};
+
+/// Bytes of a new chunk before compression: so few that a viewer that seeks loads little.
+const CHUNK_SIZE: u64 = 1024 * 1024;
+
+/// How much is copied between two reports of progress.
+const COPY_STEP: u64 = 64 * 1024 * 1024;
+
+/// What the official writer starts its file with: the magic bytes and a header with two empty strings.
+const PREAMBLE: usize = mcap::MAGIC.len() + FRAME_LENGTH + 2 * size_of::<u32>();
+
+type Output = BufWriter<File>;
+
+/// Writes a log with new channels.
+pub struct Appender<'a> {
+    log: &'a Log,
+    destination: Destination,
+    output: Pending,
+    writer: mcap::Writer<Region<Output>>,
+    seal: Seal,
+    /// The chunk indexes of chunks that had no message indexes until now, by the chunks' offsets.
+    reindexed: BTreeMap<u64, ChunkIndex>,
+    channels: BTreeMap<Quantity, NewChannel>,
+    payload: Vec<u8>,
+}
+
+struct NewChannel {
+    id: u16,
+    schema_id: u16,
+    messages: u64,
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Appended {
+    /// Messages by quantity. One without messages has no channel.
+    pub messages: BTreeMap<Quantity, u64>,
+    /// Bytes taken over from the log as they were.
+    pub copied: u64,
+    /// Bytes behind them.
+    pub appended: u64,
+}
+
+impl<'a> Appender<'a> {
+    /// Starts the output with a copy of the log's data section. `progress` is told of each stretch of bytes
+    /// copied.
+    ///
+    /// # Errors
+    /// The output cannot be created or written, or the log cannot be read.
+    pub fn begin(
+        log: &'a Log,
+        destination: &Destination,
+        progress: impl FnMut(u64),
+    ) -> Result<Self, Error> {
+        let write_error = |source| destination.error(WRITING, source);
+        let metadata = log.file.handle().metadata();
+        let permissions = metadata.map_err(write_error)?.permissions();
+        let output = destination.create(permissions)?;
+        copy(log, output.file(), progress).map_err(write_error)?;
+
+        let file = output.file().try_clone().map_err(write_error)?;
+        let mut region = Region::new(BufWriter::new(file), log.data_end, log.data_crc);
+        let reindexed = write_missing_indexes(log, &mut region).map_err(write_error)?;
+        let (region, seal) = region.sealable(PREAMBLE);
+        let writer = WriteOptions::new()
+            .profile("")
+            .library("")
+            .compression(Some(Compression::Zstd))
+            .compression_threads(0)
+            .chunk_size(Some(CHUNK_SIZE))
+            // A chunk index would hide the messages that lie outside chunks.
+            .use_chunks(!log.contents.has_loose_messages())
+            // Seeking would lead to the end of a file that is not the writer's.
+            .disable_seeking(true)
+            .emit_summary_records(false)
+            .emit_summary_offsets(false)
+            .emit_attachment_indexes(true)
+            .emit_metadata_indexes(true)
+            .create(region)
+            .map_err(|error| append_error(destination, error))?;
+        Ok(Self {
+            log,
+            destination: destination.clone(),
+            output,
+            writer,
+            seal,
+            reindexed,
+            channels: BTreeMap::new(),
+            payload: Vec::new(),
+        })
+    }
+
+    /// Appends one message, and before the first of a topic its channel.
+    ///
+    /// # Errors
+    /// The output cannot be written, or the log has no id left for a channel.
+    pub fn write(&mut self, derived: &Derived) -> Result<(), Error> {
+        let quantity = derived.quantity();
+        let channel = match self.channels.get_mut(&quantity) {
+            Some(channel) => channel,
+            None => {
+                let channel = self.add_channel(quantity)?;
+                self.channels.entry(quantity).or_insert(channel)
+            }
+        };
+        let header = MessageHeader {
+            channel_id: channel.id,
+            // Sequence numbers wrap around, which takes a year of messages at 100 Hz.
+            sequence: channel.messages as u32,
+            log_time: derived.stamp.log_time,
+            publish_time: derived.stamp.publish_time,
+        };
+        channel.messages += 1;
+        self.payload.clear();
+        encode(derived, &mut self.payload);
+        self.writer
+            .write_to_known_channel(&header, &self.payload)
+            .map_err(|error| append_error(&self.destination, error))
+    }
+
+    /// Completes the output, with `facts` on how its messages were made, and gives it its name.
+    ///
+    /// # Errors
+    /// The output cannot be written, or something has come to be there meanwhile.
+    pub fn finish(mut self, facts: BTreeMap<String, String>) -> Result<Appended, Error> {
+        let log = self.log;
+        let destination = self.destination;
+        let write_error = |source| destination.error(WRITING, source);
+        let failed = |error| append_error(&destination, error);
+
+        let record = provenance::record(self.channels.keys().copied(), facts);
+        self.writer.write_metadata(&record).map_err(failed)?;
+        // An attachment has a time; the original's end belongs to the end of its messages.
+        let log_time = log.contents.statistics.message_end_time;
+        let attachment = Attachment {
+            log_time,
+            create_time: log_time,
+            name: tail::NAME.to_owned(),
+            media_type: tail::MEDIA_TYPE.to_owned(),
+            data: Cow::Owned(tail::encode(log)?),
+        };
+        self.writer.attach(&attachment).map_err(failed)?;
+        self.writer.flush().map_err(failed)?;
+        self.seal.close();
+        let appended = self.writer.finish().map_err(failed)?;
+
+        let region = self.writer.into_inner();
+        let position = region.position();
+        let (crc, mut out) = region.into_parts();
+        let mut end = Vec::new();
+        let data_end = DataEnd {
+            data_section_crc: crc.unwrap_or(0),
+        };
+        push_record(&mut end, op::DATA_END, &serialize(&data_end));
+        let summary_start = position + end.len() as u64;
+        end.extend(summary::encode(
+            &log.contents,
+            &appended,
+            self.reindexed,
+            summary_start,
+        ));
+        out.write_all(&end).map_err(write_error)?;
+        out.flush().map_err(write_error)?;
+        self.output.commit()?;
+        Ok(Appended {
+            messages: (self.channels.iter())
+                .map(|(&quantity, channel)| (quantity, channel.messages))
+                .collect(),
+            copied: log.data_end,
+            appended: position + end.len() as u64 - log.data_end,
+        })
+    }
+
+    fn add_channel(&mut self, quantity: Quantity) -> Result<NewChannel, Error> {
+        let path = self.log.file.path();
+        let contents = &self.log.contents;
+        let new_schemas = self.channels.values().map(|channel| channel.schema_id);
+        // The schema id 0 means "no schema".
+        let used = contents.schema_ids().into_iter().chain(new_schemas);
+        let schema_id = free_id(1, used.collect()).ok_or_else(|| Error::NoFreeId {
+            path: path.into(),
+            what: "schema",
+        })?;
+        let new_channels = self.channels.values().map(|channel| channel.id);
+        let used = contents.channel_ids().into_iter().chain(new_channels);
+        let id = free_id(0, used.collect()).ok_or_else(|| Error::NoFreeId {
+            path: path.into(),
+            what: "channel",
+        })?;
+        let schema = messages::schema(quantity);
+        let topic = quantity.topic();
+        self.writer
+            .add_schema_with_id(schema_id, schema.name, "protobuf", schema.descriptors)
+            .and_then(|_| {
+                let metadata = BTreeMap::new();
+                self.writer
+                    .add_channel_with_id(id, schema_id, topic, "protobuf", &metadata)
+            })
+            .map_err(|error| append_error(&self.destination, error))?;
+        Ok(NewChannel {
+            id,
+            schema_id,
+            messages: 0,
+        })
+    }
+}
+
+/// What the program was doing when the output failed.
+const WRITING: &str = "cannot write the output";
+
+fn append_error(destination: &Destination, error: mcap::McapError) -> Error {
+    match error {
+        mcap::McapError::Io(source) => destination.error(WRITING, source),
+        source => Error::Append {
+            path: destination.path().into(),
+            source,
+        },
+    }
+}
+
+/// The id above the largest in use, else the lowest free one from `lowest` on.
+fn free_id(lowest: u16, used: BTreeSet<u16>) -> Option<u16> {
+    match used.last() {
+        None => Some(lowest),
+        Some(largest) => largest
+            .checked_add(1)
+            .or_else(|| (lowest..=u16::MAX).find(|id| !used.contains(id))),
+    }
+}
+
+/// Copies the log's data section to the start of the output. Between files the system copies without the
+/// bytes passing through this program, where it can.
+fn copy(log: &Log, output: &File, mut progress: impl FnMut(u64)) -> io::Result<()> {
+    let mut input = log.file.handle();
+    let mut output = output;
+    input.seek(SeekFrom::Start(0))?;
+    let mut left = log.data_end;
+    while left > 0 {
+        let copied = io::copy(&mut input.take(left.min(COPY_STEP)), &mut output)?;
+        if copied == 0 {
+            return Err(io::Error::new(
+                ErrorKind::UnexpectedEof,
+                "the log has become shorter while it was copied",
+            ));
+        }
+        progress(copied);
+        left -= copied;
+    }
+    Ok(())
+}
+
+/// Writes the message indexes that the log's chunks lack, without which a seeking reader refuses a chunk.
+/// Gives the chunk indexes that point to them.
+fn write_missing_indexes(
+    log: &Log,
+    region: &mut Region<Output>,
+) -> io::Result<BTreeMap<u64, ChunkIndex>> {
+    let mut reindexed = BTreeMap::new();
+    if log.contents.has_loose_messages() {
+        return Ok(reindexed);
+    }
+    for segment in &log.contents.segments {
+        if let SegmentKind::Chunk {
+            index,
+            missing_indexes,
+        } = &segment.kind
+            && !missing_indexes.is_empty()
+        {
+            let mut bytes = Vec::new();
+            let chunk = summary::encode_message_indexes(
+                index,
+                missing_indexes,
+                region.position(),
+                &mut bytes,
+            );
+            region.write_all(&bytes)?;
+            reindexed.insert(segment.offset, chunk);
+        }
+    }
+    Ok(reindexed)
+}
+
+/// Appends the message of a derived value to `out`.
+fn encode(derived: &Derived, out: &mut Vec<u8>) {
+    let timestamp = Some(timestamp(derived.stamp.log_time));
+    let encoded = match derived.value {
+        Value::RelativeRpy { interval, rpy } => v1::RelativeRpy {
+            timestamp,
+            frame_id: "previous_camera".to_owned(),
+            interval: Some(duration(interval)),
+            roll: rpy.roll,
+            pitch: rpy.pitch,
+            yaw: rpy.yaw,
+        }
+        .encode(out),
+        Value::CameraVelocity(velocity) => v1::CameraVelocity {
+            timestamp,
+            frame_id: "camera".to_owned(),
+            x: velocity.x,
+            y: velocity.y,
+            z: velocity.z,
+        }
+        .encode(out),
+    };
+    encoded.expect("a vector grows as needed");
+}
+
+const NANOSECONDS: u64 = 1_000_000_000;
+
+fn timestamp(nanoseconds: u64) -> prost_types::Timestamp {
+    prost_types::Timestamp {
+        seconds: (nanoseconds / NANOSECONDS) as i64,
+        nanos: (nanoseconds % NANOSECONDS) as i32,
+    }
+}
+
+fn duration(nanoseconds: u64) -> prost_types::Duration {
+    prost_types::Duration {
+        seconds: (nanoseconds / NANOSECONDS) as i64,
+        nanos: (nanoseconds % NANOSECONDS) as i32,
+    }
+}

@@ -1,0 +1,129 @@
+//! Where a result goes: a file that appears under its name only when it is complete.
+
+use std::{
+    ffi::OsString,
+    fs::{self, File, Permissions},
+    path::{Path, PathBuf},
+};
+
+use tempfile::NamedTempFile;
+
+use crate::error::Error;
+
+/// A file that is to be written.
+#[derive(Debug, Clone)]
+pub struct Destination {
+    path: PathBuf,
+    folder: PathBuf,
+    overwrite: bool,
+}
+
+impl Destination {
+    /// Checks that a result may be written to `path`.
+    ///
+    /// # Errors
+    /// Something is there already and may not be overwritten, it is the input itself, or its folder does not
+    /// exist.
+    pub fn new(input: &Path, path: &Path, overwrite: bool) -> Result<Self, Error> {
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        if !folder.is_dir() {
+            return Err(Error::NoOutputFolder {
+                path: path.into(),
+                folder,
+            });
+        }
+        let resolved = fs::canonicalize(path);
+        if let (Ok(input), Ok(output)) = (fs::canonicalize(input), &resolved)
+            && input == *output
+        {
+            return Err(Error::OutputIsInput { path: path.into() });
+        }
+        if path.is_dir() || (fs::symlink_metadata(path).is_ok() && !overwrite) {
+            return Err(Error::OutputExists { path: path.into() });
+        }
+        Ok(Self {
+            path: path.into(),
+            folder,
+            overwrite,
+        })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Starts the file, under a temporary name in the same folder.
+    pub(super) fn create(&self, permissions: Permissions) -> Result<Pending, Error> {
+        let mut prefix = OsString::from(".");
+        prefix.push(self.path.file_name().unwrap_or_default());
+        prefix.push(".");
+        let file = tempfile::Builder::new()
+            .prefix(&prefix)
+            .suffix(".part")
+            .tempfile_in(&self.folder)
+            .and_then(|file| {
+                // Whoever may read the log may read the result, as far as the user can grant that.
+                file.as_file().set_permissions(permissions)?;
+                Ok(file)
+            })
+            .map_err(|source| self.error("cannot create the output in its folder", source))?;
+        Ok(Pending {
+            file,
+            destination: self.clone(),
+        })
+    }
+
+    pub(super) fn error(&self, action: &'static str, source: std::io::Error) -> Error {
+        Error::io(action, &self.path, source)
+    }
+}
+
+/// A file that is being written. It is removed again unless it is committed.
+#[derive(Debug)]
+pub(super) struct Pending {
+    file: NamedTempFile,
+    destination: Destination,
+}
+
+impl Pending {
+    pub fn file(&self) -> &File {
+        self.file.as_file()
+    }
+
+    /// Makes the file durable and gives it its name.
+    ///
+    /// # Errors
+    /// Something has come to be there meanwhile that may not be overwritten, or the disk fails.
+    pub fn commit(self) -> Result<(), Error> {
+        let Self { file, destination } = self;
+        let failed = |source| destination.error("cannot write the output", source);
+        file.as_file().sync_all().map_err(failed)?;
+        let persisted = if destination.overwrite {
+            file.persist(&destination.path)
+        } else {
+            file.persist_noclobber(&destination.path)
+        };
+        persisted.map_err(|error| match error.error.kind() {
+            std::io::ErrorKind::AlreadyExists => Error::OutputExists {
+                path: destination.path.clone(),
+            },
+            _ => failed(error.error),
+        })?;
+        sync_folder(&destination.folder).map_err(failed)
+    }
+}
+
+/// Makes the file's name as durable as its content.
+#[cfg(unix)]
+fn sync_folder(folder: &Path) -> std::io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
+/// Folders cannot be synced here; the file system keeps names in order by itself.
+#[cfg(not(unix))]
+fn sync_folder(_folder: &Path) -> std::io::Result<()> {
+    Ok(())
+}

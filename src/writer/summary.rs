@@ -1,0 +1,195 @@
+//! The summary of the whole: what the log held, as it said it, and what was appended.
+
+use std::collections::BTreeMap;
+
+use mcap::records::{Channel, ChunkIndex, Footer, MessageIndex, Statistics, SummaryOffset, op};
+
+use crate::log::{
+    contents::{Contents, SegmentKind},
+    record::{Raw, push_record, serialize},
+};
+
+/// Everything behind the data section's end at `start`: the summary, its offsets, the footer and the magic.
+///
+/// Records of the log's own summary are written as the bytes that they were, so that fields which a later
+/// version of the format appended to them survive. `reindexed` are the chunk indexes of chunks that had no
+/// message indexes until now, by the chunks' offsets.
+pub fn encode(
+    contents: &Contents,
+    appended: &mcap::Summary,
+    mut reindexed: BTreeMap<u64, ChunkIndex>,
+    start: u64,
+) -> Vec<u8> {
+    let mut groups = Groups {
+        start,
+        bytes: Vec::new(),
+        offsets: Vec::new(),
+    };
+
+    let schemas = contents.schemas.values().map(|schema| schema.body.clone());
+    let new_schemas = sorted(&appended.schemas).map(|schema| {
+        let mut body = serialize(&mcap::records::SchemaHeader {
+            id: schema.id,
+            name: schema.name.clone(),
+            encoding: schema.encoding.clone(),
+        });
+        // A schema's data is limited to 4 GiB by its length field.
+        body.extend_from_slice(&(schema.data.len() as u32).to_le_bytes());
+        body.extend_from_slice(&schema.data);
+        body
+    });
+    groups.push(op::SCHEMA, schemas.chain(new_schemas));
+
+    let channels = contents
+        .channels
+        .values()
+        .map(|channel| channel.body.clone());
+    let new_channels = sorted(&appended.channels).map(|channel| {
+        serialize(&Channel {
+            id: channel.id,
+            schema_id: channel.schema.as_ref().map_or(0, |schema| schema.id),
+            topic: channel.topic.clone(),
+            message_encoding: channel.message_encoding.clone(),
+            metadata: channel.metadata.clone(),
+        })
+    });
+    groups.push(op::CHANNEL, channels.chain(new_channels));
+
+    let statistics = merge_statistics(contents, appended);
+    groups.push(op::STATISTICS, [serialize(&statistics)].into_iter());
+
+    // Readers that find a chunk index look for messages nowhere else. Where messages lie outside chunks there
+    // is none, so that readers look everywhere.
+    if !contents.has_loose_messages() {
+        let chunks = contents
+            .segments
+            .iter()
+            .filter_map(|segment| match &segment.kind {
+                SegmentKind::Chunk { index, .. } => Some(match reindexed.remove(&segment.offset) {
+                    Some(reindexed) => serialize(&reindexed),
+                    None => index.body.clone(),
+                }),
+                SegmentKind::Loose => None,
+            });
+        let new_chunks = appended.chunk_indexes.iter().map(serialize);
+        groups.push(op::CHUNK_INDEX, chunks.chain(new_chunks));
+    }
+
+    let attachments = contents.attachments.iter().map(|index| index.body.clone());
+    let new_attachments = appended.attachment_indexes.iter().map(serialize);
+    groups.push(op::ATTACHMENT_INDEX, attachments.chain(new_attachments));
+
+    let metadata = contents.metadata.iter().map(|index| index.body.clone());
+    let new_metadata = appended.metadata_indexes.iter().map(serialize);
+    groups.push(op::METADATA_INDEX, metadata.chain(new_metadata));
+
+    let mut unknown: BTreeMap<u8, Vec<Vec<u8>>> = BTreeMap::new();
+    for (opcode, body) in &contents.unknown_summary {
+        unknown.entry(*opcode).or_default().push(body.clone());
+    }
+    for (opcode, bodies) in unknown {
+        groups.push(opcode, bodies.into_iter());
+    }
+    groups.finish()
+}
+
+/// Where the new message indexes of a chunk lie, put into its chunk index. `position` is where the first of
+/// them goes; they are appended to `out`.
+pub fn encode_message_indexes(
+    chunk: &Raw<ChunkIndex>,
+    indexes: &[MessageIndex],
+    position: u64,
+    out: &mut Vec<u8>,
+) -> ChunkIndex {
+    let mut chunk = chunk.record.clone();
+    chunk.message_index_offsets.clear();
+    let before = out.len();
+    for index in indexes {
+        let offset = position + (out.len() - before) as u64;
+        chunk.message_index_offsets.insert(index.channel_id, offset);
+        push_record(out, op::MESSAGE_INDEX, &serialize(index));
+    }
+    chunk.message_index_length = (out.len() - before) as u64;
+    chunk
+}
+
+fn merge_statistics(contents: &Contents, appended: &mcap::Summary) -> Statistics {
+    let mut merged = contents.statistics.clone();
+    let Some(new) = &appended.stats else {
+        return merged;
+    };
+    if merged.message_count == 0 {
+        // The times of no message do not count.
+        (merged.message_start_time, merged.message_end_time) =
+            (new.message_start_time, new.message_end_time);
+    } else if new.message_count > 0 {
+        merged.message_start_time = merged.message_start_time.min(new.message_start_time);
+        merged.message_end_time = merged.message_end_time.max(new.message_end_time);
+    }
+    merged.message_count += new.message_count;
+    merged.schema_count += new.schema_count;
+    merged.channel_count += new.channel_count;
+    merged.attachment_count += new.attachment_count;
+    merged.metadata_count += new.metadata_count;
+    merged.chunk_count += new.chunk_count;
+    merged.channel_message_counts.extend(
+        new.channel_message_counts
+            .iter()
+            .map(|(&id, &count)| (id, count)),
+    );
+    merged
+}
+
+fn sorted<T>(by_id: &std::collections::HashMap<u16, T>) -> impl Iterator<Item = &T> {
+    let mut ids: Vec<_> = by_id.keys().collect();
+    ids.sort_unstable();
+    ids.into_iter().map(|id| &by_id[id])
+}
+
+/// A summary section that is being put together group by group.
+struct Groups {
+    start: u64,
+    bytes: Vec<u8>,
+    offsets: Vec<SummaryOffset>,
+}
+
+impl Groups {
+    fn position(&self) -> u64 {
+        self.start + self.bytes.len() as u64
+    }
+
+    /// Appends the records of one kind.
+    fn push(&mut self, group_opcode: u8, bodies: impl Iterator<Item = Vec<u8>>) {
+        let group_start = self.position();
+        for body in bodies {
+            push_record(&mut self.bytes, group_opcode, &body);
+        }
+        let group_length = self.position() - group_start;
+        if group_length > 0 {
+            self.offsets.push(SummaryOffset {
+                group_opcode,
+                group_start,
+                group_length,
+            });
+        }
+    }
+
+    fn finish(mut self) -> Vec<u8> {
+        let summary_offset_start = self.position();
+        for offset in &self.offsets {
+            push_record(&mut self.bytes, op::SUMMARY_OFFSET, &serialize(offset));
+        }
+        let footer = Footer {
+            summary_start: self.start,
+            summary_offset_start,
+            summary_crc: 0,
+        };
+        push_record(&mut self.bytes, op::FOOTER, &serialize(&footer));
+        // The checksum is the footer's last field, and covers all before it, the footer's start included.
+        let crc_at = self.bytes.len() - size_of::<u32>();
+        let crc = crc32fast::hash(&self.bytes[..crc_at]);
+        self.bytes[crc_at..].copy_from_slice(&crc.to_le_bytes());
+        self.bytes.extend_from_slice(mcap::MAGIC);
+        self.bytes
+    }
+}

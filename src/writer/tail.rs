@@ -1,0 +1,37 @@
+//! The end of the original log, kept in the result so that the original can be given back byte for byte.
+
+use prost::Message;
+use sha2::{Digest, Sha256};
+
+use crate::{error::Error, log::Log, messages::v1::OriginalTail};
+
+/// The attachment's name.
+pub const NAME: &str = "flightcam/original_tail";
+
+/// Its content is a `flightcam.v1.OriginalTail`.
+pub const MEDIA_TYPE: &str = "application/x-protobuf";
+
+/// How much is hashed at either end of the original's data section to tell it from another.
+const HASHED: u64 = 64 * 1024;
+
+/// What the log has behind its data section, and what identifies the data section, ready to be attached.
+pub fn encode(log: &Log) -> Result<Vec<u8>, Error> {
+    let data_end = log.data_end;
+    let tail = log.file.read(data_end, log.file.len() - data_end)?;
+    let hash = |start: u64, length: u64| -> Result<Vec<u8>, Error> {
+        Ok(Sha256::digest(log.file.read(start, length)?).to_vec())
+    };
+    let hashed = data_end.min(HASHED);
+    let tail_zstd = zstd::bulk::compress(&tail, zstd::DEFAULT_COMPRESSION_LEVEL)
+        .map_err(|source| Error::io("cannot compress the end of", log.file.path(), source))?;
+    let message = OriginalTail {
+        data_end,
+        tail_length: tail.len() as u64,
+        data_section_crc: log.data_crc,
+        head_sha256: hash(0, hashed)?,
+        foot_sha256: hash(data_end - hashed, hashed)?,
+        tail_sha256: Sha256::digest(&tail).to_vec(),
+        tail_zstd,
+    };
+    Ok(message.encode_to_vec())
+}
