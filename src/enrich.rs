@@ -317,6 +317,10 @@ fn notes(log: &Log, source: &Source) -> Vec<String> {
         Some(ScanReason::NoSummary) => {
             notes.push("the log had no readable summary; the result has one".to_owned());
         }
+        Some(ScanReason::NotClosed) if log.breaks_off_at.is_none() => notes.push(
+            "the log's summary breaks off, its data is whole; the result has a complete one"
+                .to_owned(),
+        ),
         Some(ScanReason::NotClosed) | None => {}
     }
     if log.contents.has_loose_messages() {

@@ -55,6 +55,11 @@ impl Schema {
         })
     }
 
+    /// Whether both are the same schema, whatever else their records may say.
+    pub fn defines_the_same(&self, other: &Self) -> bool {
+        (&self.name, &self.encoding, self.data()) == (&other.name, &other.encoding, other.data())
+    }
+
     /// The definition itself, in the schema's encoding.
     pub fn data(&self) -> &[u8] {
         &self.body[self.data.clone()]

@@ -183,28 +183,16 @@ impl Collector {
             op::ATTACHMENT => {
                 let index =
                     attachment_index(walker, frame)?.ok_or_else(|| malformed("attachment"))?;
-                let known = &mut self.contents.attachments;
-                if known
-                    .iter()
-                    .all(|known| known.record.offset != index.offset)
-                {
-                    known.push(Raw::new(index));
-                }
+                self.contents.attachments.push(Raw::new(index));
             }
             op::METADATA => {
                 let metadata: Metadata = parse(walker.body(frame, u64::MAX)?)
                     .map_err(|_| malformed("metadata record"))?;
-                let known = &mut self.contents.metadata;
-                if known
-                    .iter()
-                    .all(|known| known.record.offset != frame.offset)
-                {
-                    known.push(Raw::new(MetadataIndex {
-                        offset: frame.offset,
-                        length: frame.end() - frame.offset,
-                        name: metadata.name,
-                    }));
-                }
+                self.contents.metadata.push(Raw::new(MetadataIndex {
+                    offset: frame.offset,
+                    length: frame.end() - frame.offset,
+                    name: metadata.name,
+                }));
             }
             _ => {}
         }

@@ -1,6 +1,6 @@
 //! The summary section: what a log says of itself, and how far that can be believed.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use mcap::records::{AttachmentIndex, Channel, ChunkIndex, Footer, MetadataIndex, Statistics, op};
 
@@ -126,115 +126,127 @@ impl Summary {
         Some(summary)
     }
 
-    /// What the log holds, if this summary and the records between the indexed chunks account for all of it
-    /// without a contradiction; else `None`, and the log has to be read from start to end.
+    /// What the log holds, if this summary and what lies between the chunks that it describes account for
+    /// all of it without a contradiction; else `None`, and the log has to be read from start to end.
     ///
-    /// No chunk is opened for this: how many messages an indexed chunk has, of which channel, follows from
+    /// A chunk whose index is complete is not opened: how many messages of which channels it has follows from
     /// the lengths of its message indexes.
     pub fn account_for(&self, file: &LogFile, data_end: u64) -> Result<Option<Contents>, Error> {
         let Some(statistics) = &self.statistics else {
             return Ok(None);
         };
-        let contents = Contents {
+        let mut collector = Collector::with(Contents {
             schemas: self.schemas.clone(),
             channels: self.channels.clone(),
-            attachments: self.attachments.clone(),
-            metadata: self.metadata.clone(),
-            unknown_summary: self.unknown.clone(),
             ..Contents::default()
-        };
-        let mut collector = Collector::with(contents);
+        });
         let mut position = mcap::MAGIC.len() as u64;
-        let mut found = BTreeSet::new();
-        let chunks = self.chunk_indexes.iter().map(Some).chain([None]);
-        for chunk in chunks {
-            let gap_end = chunk.map_or(data_end, |index| index.record.chunk_start_offset);
-            if gap_end < position || gap_end > data_end {
+        for (segment, end) in self.chunk_indexes.iter().filter_map(indexed_chunk) {
+            if segment.offset < position
+                || end > data_end
+                || !collect(&mut collector, file, position, segment.offset)?
+            {
                 return Ok(None);
             }
-            let mut walker = Walker::new(file, position, gap_end);
-            loop {
-                match walker.step()? {
-                    Step::Record(frame) if frame.opcode == op::CHUNK => return Ok(None),
-                    Step::Record(frame) => {
-                        collector.record(&mut walker, &frame)?;
-                        found.insert(frame.offset);
-                    }
-                    Step::End => break,
-                    Step::Torn { .. } => return Ok(None),
-                }
-            }
-            if let Some(index) = chunk {
-                let Some((segment, end)) = indexed_chunk(index) else {
-                    return Ok(None);
-                };
-                collector.contents.segments.push(segment);
-                position = end;
-            }
+            collector.contents.segments.push(segment);
+            position = end;
         }
-
+        if !collect(&mut collector, file, position, data_end)? {
+            return Ok(None);
+        }
         let mut contents = collector.finish();
+        let confirmed = self.supplement(&mut contents);
         contents.statistics = contents.recount();
-        let recount = &contents.statistics;
-        let mut counts = statistics.channel_message_counts.clone();
-        counts.retain(|_, count| *count > 0);
-        let indexed_offsets = (self.attachments.iter().map(|index| index.record.offset))
-            .chain(self.metadata.iter().map(|index| index.record.offset));
-        let consistent = counts == recount.channel_message_counts
-            && statistics.message_count == recount.message_count
-            && statistics.message_start_time == recount.message_start_time
-            && statistics.message_end_time == recount.message_end_time
-            && statistics.chunk_count == recount.chunk_count
-            && indexed_offsets
-                .into_iter()
-                .all(|offset| found.contains(&offset))
-            && contents
-                .channel_ids()
-                .iter()
-                .all(|id| contents.channels.contains_key(id))
-            && contents
-                .schema_ids()
-                .iter()
-                .all(|id| contents.schemas.contains_key(id));
-        Ok(consistent.then_some(contents))
+        let accounted_for = confirmed && agree(statistics, &contents);
+        Ok(accounted_for.then_some(contents))
     }
 
-    /// Adds to what a scan found what only the summary says, and takes over the bytes of those of its
-    /// records that the scan confirmed.
-    pub fn supplement(self, contents: &mut Contents) {
-        for (id, schema) in self.schemas {
-            contents.schemas.entry(id).or_insert(schema);
-        }
-        for (id, channel) in self.channels {
-            contents.channels.entry(id).or_insert(channel);
-        }
-        contents.unknown_summary = self.unknown;
-
-        let mut bytes: BTreeMap<_, _> = self
-            .chunk_indexes
-            .into_iter()
-            .map(|index| (index.record.chunk_start_offset, index))
-            .collect();
-        for segment in &mut contents.segments {
-            if let SegmentKind::Chunk { index, .. } = &mut segment.kind
-                && let Some(confirmed) = bytes
-                    .remove(&segment.offset)
-                    .filter(|said| said.record == index.record)
-            {
-                *index = confirmed;
+    /// Adds to what was found in the log the definitions that only the summary has, and takes over the bytes
+    /// of those of its records that say the same. Whether everything that it points to was found.
+    pub fn supplement(&self, contents: &mut Contents) -> bool {
+        for (id, said) in &self.schemas {
+            let found = contents.schemas.entry(*id).or_insert_with(|| said.clone());
+            if found.defines_the_same(said) {
+                *found = said.clone();
             }
         }
-        confirm(&mut contents.attachments, self.attachments);
-        confirm(&mut contents.metadata, self.metadata);
+        for (id, said) in &self.channels {
+            let found = contents.channels.entry(*id).or_insert_with(|| said.clone());
+            if found.record == said.record {
+                *found = said.clone();
+            }
+        }
+        contents.unknown_summary = self.unknown.clone();
+
+        let chunks = contents
+            .segments
+            .iter_mut()
+            .filter_map(|segment| match &mut segment.kind {
+                SegmentKind::Chunk { index, .. } => Some(index),
+                SegmentKind::Loose => None,
+            });
+        let indexes = [
+            take_over(chunks, &self.chunk_indexes, |index| {
+                index.chunk_start_offset
+            }),
+            take_over(
+                contents.attachments.iter_mut(),
+                &self.attachments,
+                |index| index.offset,
+            ),
+            take_over(contents.metadata.iter_mut(), &self.metadata, |index| {
+                index.offset
+            }),
+        ];
+        indexes.into_iter().all(|confirmed| confirmed)
     }
 }
 
-fn confirm<T: PartialEq>(scanned: &mut [Raw<T>], said: Vec<Raw<T>>) {
-    for said in said {
-        if let Some(same) = scanned.iter_mut().find(|same| same.record == said.record) {
-            *same = said;
+/// Whether a log's own statistics are those of what was found in it, and everything is defined that is used.
+fn agree(statistics: &Statistics, contents: &Contents) -> bool {
+    let recount = &contents.statistics;
+    let mut counts = statistics.channel_message_counts.clone();
+    counts.retain(|_, count| *count > 0);
+    counts == recount.channel_message_counts
+        && statistics.message_count == recount.message_count
+        && statistics.message_start_time == recount.message_start_time
+        && statistics.message_end_time == recount.message_end_time
+        && statistics.chunk_count == recount.chunk_count
+        && (contents.channel_ids().iter()).all(|id| contents.channels.contains_key(id))
+        && (contents.schema_ids().iter()).all(|id| contents.schemas.contains_key(id))
+}
+
+/// Collects the records from `start` to `end`; false where they break off.
+fn collect(collector: &mut Collector, file: &LogFile, start: u64, end: u64) -> Result<bool, Error> {
+    let mut walker = Walker::new(file, start, end);
+    loop {
+        match walker.step()? {
+            Step::Record(frame) => collector.record(&mut walker, &frame)?,
+            Step::End => return Ok(true),
+            Step::Torn { .. } => return Ok(false),
         }
     }
+}
+
+/// Gives the index records that were found the bytes of those that say the same. Whether all of those were
+/// found.
+fn take_over<'a, T: PartialEq + Clone + 'a>(
+    found: impl Iterator<Item = &'a mut Raw<T>>,
+    said: &[Raw<T>],
+    offset: impl Fn(&T) -> u64,
+) -> bool {
+    let mut said: BTreeMap<u64, &Raw<T>> = said
+        .iter()
+        .map(|said| (offset(&said.record), said))
+        .collect();
+    for found in found {
+        let offset = offset(&found.record);
+        if let Some(same) = said.get(&offset).filter(|said| said.record == found.record) {
+            *found = (*same).clone();
+            said.remove(&offset);
+        }
+    }
+    said.is_empty()
 }
 
 /// A chunk as its index says it, and where its message indexes end; `None` where the index does not tell

@@ -1,0 +1,371 @@
+//! Appending never disturbs: whatever the shape of the log, the result holds every byte and every message.
+
+mod common;
+
+use common::*;
+use flightcam::{
+    Error,
+    log::record::{parse, push_record, serialize},
+};
+use mcap::{
+    Compression, Summary, WriteOptions,
+    records::{ChunkIndex, Statistics, op},
+};
+use proptest::prelude::*;
+
+#[test]
+fn the_demonstration_log_keeps_all_that_it_had() {
+    let log = std::fs::read(repository("fixtures/survey_flight.mcap")).expect("the fixture");
+    let (result, report) = enrich_bytes(&log).expect("the fixture is enriched");
+    let derived = judge(&log, &result, false);
+    assert_eq!(derived.len(), 3309 + 3310);
+    assert_eq!(
+        report.bytes_copied + report.bytes_appended,
+        result.len() as u64
+    );
+    assert_ne!(
+        Parts::of(&log).data_section_crc,
+        0,
+        "the fixture exercises resuming the checksum"
+    );
+    assert_ne!(Parts::of(&result).data_section_crc, 0);
+}
+
+#[test]
+fn the_same_log_gives_the_same_bytes() {
+    let log = Shape::default().write();
+    let (first, _) = enrich_bytes(&log).expect("a result");
+    let (second, _) = enrich_bytes(&log).expect("a result");
+    assert!(first == second);
+}
+
+fn any_shape() -> impl Strategy<Value = Shape> {
+    let flags = prop::collection::vec(any::<bool>(), 12);
+    let compression =
+        prop::sample::select(vec![None, Some(Compression::Zstd), Some(Compression::Lz4)]);
+    let ids = prop::sample::select(vec![[1, 2], [0, 1], [65535, 7], [65534, 65535], [9, 0]]);
+    let schema_id = prop::sample::select(vec![1, 2, 65535]);
+    (flags, compression, 200..20_000u64, ids, schema_id).prop_map(
+        |(flags, compression, chunk_size, channel_ids, schema_id)| Shape {
+            options: WriteOptions::new()
+                .compression_threads(0)
+                .compression(compression)
+                .chunk_size(Some(chunk_size))
+                // Logs without chunks are rarer than one in two.
+                .use_chunks(flags[0] || flags[1])
+                .emit_message_indexes(flags[2])
+                .emit_chunk_indexes(flags[3])
+                .emit_statistics(flags[4])
+                .emit_summary_offsets(flags[5])
+                .repeat_channels(flags[6])
+                .repeat_schemas(flags[6])
+                .calculate_chunk_crcs(flags[7])
+                // Without the chunks' checksums mcap 0.26 writes a wrong one for the data section.
+                .calculate_data_section_crc(flags[7] && flags[8])
+                .calculate_summary_section_crc(flags[9])
+                .emit_attachment_indexes(flags[2])
+                .emit_metadata_indexes(flags[4]),
+            topic_after_topic: flags[10],
+            attachment_and_metadata: flags[11],
+            channel_ids,
+            schema_id,
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn a_log_of_any_shape_gives_the_same_messages_and_loses_nothing(shape in any_shape()) {
+        let log = shape.write();
+        let (result, report) = enrich_bytes(&log).expect("a result");
+        prop_assert_eq!(judge(&log, &result, false), expected_of_any_shape());
+        prop_assert!(report.complete);
+    }
+
+    #[test]
+    fn a_log_that_breaks_off_anywhere_is_enriched_up_to_there(shape in any_shape(), at in 0.0..1.0) {
+        let log = shape.write();
+        let torn = &log[..(at * log.len() as f64) as usize];
+        match enrich_bytes(torn) {
+            Ok((result, report)) => {
+                let derived = judge(torn, &result, true);
+                prop_assert!(!derived.is_empty());
+                let data_is_whole = Parts::records(whole_records(torn)).any(|(opcode, _)| opcode == op::DATA_END);
+                prop_assert_eq!(report.complete, data_is_whole);
+                prop_assert!(!report.notes.is_empty());
+            }
+            // Too little is left of it to derive anything from.
+            Err(Error::Empty { .. } | Error::NotMcap { .. } | Error::Corrupt { .. }
+                | Error::NoTelemetry { .. } | Error::NothingDerived { .. }) => {
+                let whole = whole_records(torn);
+                let telemetry = stream(whole, true).into_iter().filter(|m| m.topic == TELEMETRY);
+                prop_assert_eq!(telemetry.count(), 0);
+            }
+            Err(other) => prop_assert!(false, "{}", other),
+        }
+    }
+}
+
+#[test]
+fn new_messages_go_outside_chunks_where_others_are_outside_chunks() {
+    let log = Shape::with(|options| options.use_chunks(false)).write();
+    let (result, _) = enrich_bytes(&log).expect("a result");
+    assert_eq!(judge(&log, &result, false), expected_of_any_shape());
+    let summary = Summary::read(&result)
+        .expect("a summary")
+        .expect("a summary");
+    assert!(
+        summary.chunk_indexes.is_empty(),
+        "a chunk index would hide the messages outside chunks"
+    );
+    assert!(
+        !Parts::of(&result)
+            .data
+            .iter()
+            .any(|(opcode, _)| *opcode == op::CHUNK)
+    );
+}
+
+#[test]
+fn a_log_with_messages_in_and_outside_chunks_hides_none_of_them() {
+    let log = mixed_log();
+    let (result, report) = enrich_bytes(&log).expect("a result");
+    assert_eq!(judge(&log, &result, false), expected_of_any_shape());
+    let summary = Summary::read(&result)
+        .expect("a summary")
+        .expect("a summary");
+    assert!(summary.chunk_indexes.is_empty());
+    assert!(
+        report
+            .notes
+            .iter()
+            .any(|note| note.contains("outside chunks"))
+    );
+}
+
+#[test]
+fn chunks_without_message_indexes_get_new_ones() {
+    let log = Shape::with(|options| options.emit_message_indexes(false)).write();
+    let (result, _) = enrich_bytes(&log).expect("a result");
+    judge(&log, &result, false);
+    let summary = Summary::read(&result)
+        .expect("a summary")
+        .expect("a summary");
+    assert!(summary.chunk_indexes.len() > 3);
+    for chunk in &summary.chunk_indexes {
+        let indexes = summary
+            .read_message_indexes(&result, chunk)
+            .expect("message indexes");
+        let indexed: usize = indexes.values().map(Vec::len).sum();
+        let messages = summary
+            .stream_chunk(&result, chunk)
+            .expect("a chunk")
+            .count();
+        assert_eq!(indexed, messages);
+        assert_ne!(messages, 0);
+    }
+}
+
+#[test]
+fn the_data_section_may_end_without_a_data_end_record() {
+    let log = Shape::default().write();
+    let parts = Parts::of(&log);
+    let mut without = mcap::MAGIC.to_vec();
+    for (opcode, body) in &parts.data {
+        push_record(&mut without, *opcode, body);
+    }
+    let data_end = without.len() as u64;
+    let footer = serialize(&mcap::records::Footer::default());
+    push_record(&mut without, op::FOOTER, &footer);
+    without.extend_from_slice(mcap::MAGIC);
+
+    let (result, report) = enrich_bytes(&without).expect("a result");
+    assert_eq!(judge(&without, &result, false), expected_of_any_shape());
+    assert_eq!(report.bytes_copied, data_end);
+    assert!(report.complete, "a log with a footer was closed");
+}
+
+#[test]
+fn zeros_that_a_file_system_left_are_not_records() {
+    let log = Shape::with(|options| options.emit_summary_records(false)).write();
+    let parts = Parts::of(&log);
+    let mut zeros = mcap::MAGIC.to_vec();
+    for (opcode, body) in &parts.data {
+        push_record(&mut zeros, *opcode, body);
+    }
+    let whole = zeros.len();
+    zeros.resize(whole + 8192, 0);
+    let (result, report) = enrich_bytes(&zeros).expect("a result");
+    assert_eq!(judge(&zeros, &result, true), expected_of_any_shape());
+    assert_eq!(report.bytes_copied, whole as u64);
+    assert!(!report.complete);
+}
+
+#[test]
+fn a_summary_with_wrong_statistics_is_put_right() {
+    for spoil in [
+        (|s: &mut Statistics| s.message_count += 1) as fn(&mut Statistics),
+        |s| s.chunk_count = 0,
+        |s| s.message_end_time += 5,
+        |s| s.channel_message_counts.clear(),
+        |s| {
+            s.channel_message_counts.insert(77, 3);
+        },
+    ] {
+        let mut parts = Parts::of(&Shape::default().write());
+        for (opcode, body) in &mut parts.summary {
+            if *opcode == op::STATISTICS {
+                let mut statistics: Statistics = parse(body).expect("statistics");
+                spoil(&mut statistics);
+                *body = serialize(&statistics);
+            }
+        }
+        let log = parts.join();
+        let (result, _) = enrich_bytes(&log).expect("a result");
+        assert_eq!(judge(&log, &result, false), expected_of_any_shape());
+    }
+}
+
+#[test]
+fn a_summary_that_forgets_a_chunk_is_completed() {
+    let mut parts = Parts::of(&Shape::default().write());
+    let forgotten = parts
+        .summary
+        .iter()
+        .position(|(opcode, _)| *opcode == op::CHUNK_INDEX);
+    parts.summary.remove(forgotten.expect("a chunk index"));
+    let log = parts.join();
+    let (result, _) = enrich_bytes(&log).expect("a result");
+    assert_eq!(judge(&log, &result, false), expected_of_any_shape());
+}
+
+#[test]
+fn a_summary_whose_checksum_is_wrong_is_not_believed() {
+    let mut log = Shape::default().write();
+    let topic = b"/other";
+    let in_summary = log.windows(topic.len()).rposition(|window| window == topic);
+    log[in_summary.expect("the topic's name in the summary") + 1] = b'X';
+    let (result, report) = enrich_bytes(&log).expect("a result");
+    // The log is not whole to a reader that checks its summary, but its data section is.
+    assert_eq!(judge(&log, &result, true), expected_of_any_shape());
+    assert!(report.notes.iter().any(|note| note.contains("summary")));
+}
+
+#[test]
+fn fields_that_a_later_format_appends_to_summary_records_survive() {
+    let mut shape = Shape::default();
+    shape.attachment_and_metadata = true;
+    let mut parts = Parts::of(&shape.write());
+    for (opcode, body) in &mut parts.summary {
+        if *opcode != op::STATISTICS {
+            body.extend_from_slice(b"later");
+        }
+    }
+    parts.summary.push((0x90, b"private".to_vec()));
+    let log = parts.join();
+    let (result, report) = enrich_bytes(&log).expect("a result");
+    assert_eq!(judge(&log, &result, false), expected_of_any_shape());
+    assert_eq!(report.notes, Vec::<String>::new());
+    let kept = Parts::of(&result).summary;
+    for record in parts
+        .summary
+        .iter()
+        .filter(|(opcode, _)| *opcode != op::STATISTICS)
+    {
+        assert!(kept.contains(record), "record with opcode {:#x}", record.0);
+    }
+}
+
+#[test]
+fn ids_are_the_next_above_the_largest_or_the_lowest_free() {
+    for (channel_ids, schema_id, new_channels, new_schemas) in [
+        ([1, 2], 1, [3, 4], [2, 3]),
+        ([0, 1], 5, [2, 3], [6, 7]),
+        ([65535, 0], 65535, [1, 2], [1, 2]),
+        ([65534, 3], 65534, [65535, 0], [65535, 1]),
+    ] {
+        let shape = Shape {
+            channel_ids,
+            schema_id,
+            ..Shape::default()
+        };
+        let log = shape.write();
+        let (result, _) = enrich_bytes(&log).expect("a result");
+        judge(&log, &result, false);
+        let summary = Summary::read(&result)
+            .expect("a summary")
+            .expect("a summary");
+        let new = DERIVED.map(|topic| {
+            let channel = summary
+                .channels
+                .values()
+                .find(|channel| channel.topic == topic);
+            let channel = channel.expect("the new channel");
+            (channel.id, channel.schema.as_ref().expect("its schema").id)
+        });
+        // The velocity comes first: the first attitude has no rotation yet.
+        let [(rotation, rotation_schema), (velocity, velocity_schema)] = new;
+        assert_eq!([velocity, rotation], new_channels);
+        assert_eq!([velocity_schema, rotation_schema], new_schemas);
+    }
+}
+
+#[test]
+fn a_log_that_uses_every_channel_id_is_refused() {
+    let mut parts = Parts::of(&Shape::default().write());
+    for id in 3..=u16::MAX {
+        let channel = mcap::records::Channel {
+            id,
+            schema_id: 0,
+            topic: format!("/{id}"),
+            message_encoding: "json".into(),
+            metadata: Default::default(),
+        };
+        parts.data.push((op::CHANNEL, serialize(&channel)));
+    }
+    // One is left: enough for the first topic, not for the second.
+    parts.summary.clear();
+    parts.data_section_crc = 0;
+    let error = enrich_bytes(&parts.join()).expect_err("no room");
+    assert!(
+        matches!(
+            error,
+            Error::NoFreeId {
+                what: "channel",
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn an_index_that_says_a_chunk_starts_later_than_it_does_is_found_out() {
+    let mut parts = Parts::of(&Shape::default().write());
+    for (opcode, body) in &mut parts.summary {
+        if *opcode == op::CHUNK_INDEX {
+            let mut index: ChunkIndex = parse(body).expect("a chunk index");
+            if index.message_start_time > 1_000_000_000 {
+                index.message_start_time = index.message_end_time;
+                *body = serialize(&index);
+            }
+        }
+    }
+    let error = enrich_bytes(&parts.join()).expect_err("samples would come out of order");
+    assert!(error.to_string().contains("its index says"), "{error}");
+}
+
+#[test]
+fn a_chunk_with_a_flipped_bit_is_found_out() {
+    let log = Shape::with(|options| options.compression(None)).write();
+    let at = log
+        .windows(7)
+        .position(|window| window == b"\"roll\":")
+        .expect("telemetry");
+    let mut damaged = log;
+    damaged[at + 9] ^= 1;
+    let error = enrich_bytes(&damaged).expect_err("the checksum is wrong");
+    assert!(error.to_string().contains("checksum"), "{error}");
+}

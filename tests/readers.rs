@@ -1,0 +1,182 @@
+//! The ecosystem's own readers as judges of results: the official Python library, and the TypeScript one
+//! that Foxglove uses. `tests/readers/install` installs them; without them these tests say that they were
+//! skipped, unless `FLIGHTCAM_REQUIRE_READERS` is set.
+
+mod common;
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use common::*;
+use flightcam::enrich::enrich;
+use mcap::Compression;
+use serde_json::Value;
+
+/// The two readers as command lines.
+fn readers() -> Option<[Vec<PathBuf>; 2]> {
+    let folder = repository("tests/readers");
+    let python = folder.join(".venv/bin/python");
+    if python.exists() && folder.join("node_modules").is_dir() {
+        return Some([
+            vec![python, folder.join("read.py")],
+            vec!["node".into(), folder.join("read.mjs")],
+        ]);
+    }
+    let required = std::env::var_os("FLIGHTCAM_REQUIRE_READERS").is_some();
+    assert!(
+        !required,
+        "the readers are not installed: run tests/readers/install"
+    );
+    eprintln!("skipped: the readers are not installed; tests/readers/install does that");
+    None
+}
+
+/// What a reader says of a file: a line for each message, and its summary.
+fn read(reader: &[PathBuf], log: &Path, mode: &[&str]) -> (Vec<String>, Value) {
+    let output = Command::new(&reader[0])
+        .arg(&reader[1])
+        .arg(log)
+        .args(mode)
+        .output()
+        .expect("the reader runs");
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success(),
+        "{reader:?} {mode:?} refuses {}: {complaint}",
+        log.display()
+    );
+    let text = String::from_utf8(output.stdout).expect("the reader writes UTF-8");
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let last = lines.pop().expect("a line");
+    let summary = last
+        .strip_prefix("summary ")
+        .expect("the last line is the summary");
+    (
+        lines,
+        serde_json::from_str(summary).expect("the summary is JSON"),
+    )
+}
+
+/// Enriches a log and has every reader judge the result, through its index and as a stream from the start.
+fn have_judged(readers: &[Vec<PathBuf>; 2], input: &Path) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().join("result.mcap");
+    let report = enrich(input, &output, &options(), &mut |_| {}).expect("the log is enriched");
+    let mut expected: BTreeMap<String, u64> = BTreeMap::new();
+    for topic in &report.written {
+        expected.insert(topic.topic.to_owned(), topic.messages);
+    }
+
+    for reader in readers {
+        let torn: &[&str] = match report.complete {
+            true => &["stream"],
+            false => &["stream", "--torn"],
+        };
+        let (original, _) = read(reader, input, torn);
+        let (mut streamed, summary) = read(reader, &output, &["stream"]);
+        assert_eq!(
+            summary["statistics"],
+            summary["recount"],
+            "{}",
+            input.display()
+        );
+
+        let topic = |line: &String| line.split(' ').next().expect("a topic").to_owned();
+        let (derived, kept): (Vec<String>, Vec<String>) = streamed
+            .iter()
+            .cloned()
+            .partition(|line| DERIVED.contains(&topic(line).as_str()));
+        assert!(kept == original, "every original message, in its order");
+        let mut counts: BTreeMap<String, u64> = BTreeMap::new();
+        for line in &derived {
+            *counts.entry(topic(line)).or_default() += 1;
+        }
+        assert_eq!(counts, expected);
+
+        // This mode fails by itself unless messages come in time order.
+        let (mut indexed, summary) = read(reader, &output, &["index"]);
+        assert_eq!(
+            summary["statistics"],
+            summary["recount"],
+            "{}",
+            input.display()
+        );
+        let names = &summary["attachments"];
+        assert!(
+            names.to_string().contains("flightcam/original_tail"),
+            "{names}"
+        );
+        assert!(summary["metadata"].to_string().contains("flightcam"));
+        streamed.sort();
+        indexed.sort();
+        assert!(
+            indexed == streamed,
+            "the index leads to every message of {}",
+            input.display()
+        );
+    }
+}
+
+#[test]
+fn both_readers_find_every_message_of_the_demonstration_log() {
+    let Some(readers) = readers() else { return };
+    have_judged(&readers, &repository("fixtures/survey_flight.mcap"));
+}
+
+#[test]
+fn both_readers_find_every_message_of_the_real_logs() {
+    let (Some(readers), Some(folder)) = (readers(), real_logs()) else {
+        return;
+    };
+    for log in ["test_ulog", "sample_px4_events", "sample_log_small"] {
+        have_judged(&readers, &folder.join(log).with_extension("mcap"));
+    }
+}
+
+#[test]
+fn both_readers_find_every_message_whatever_the_shape_of_the_log() {
+    let Some(readers) = readers() else { return };
+    let whole = Shape::default().write();
+    let mut everything = Shape::with(|options| options.compression(Some(Compression::Lz4)));
+    everything.attachment_and_metadata = true;
+    everything.topic_after_topic = true;
+    let logs: [(&str, Vec<u8>); 8] = [
+        (
+            "lz4, overlapping chunks, attachment, metadata",
+            everything.write(),
+        ),
+        (
+            "no compression",
+            Shape::with(|options| options.compression(None)).write(),
+        ),
+        (
+            "no chunks",
+            Shape::with(|options| options.use_chunks(false)).write(),
+        ),
+        (
+            "no message indexes",
+            Shape::with(|options| options.emit_message_indexes(false)).write(),
+        ),
+        (
+            "no summary",
+            Shape::with(|options| options.emit_summary_records(false)).write(),
+        ),
+        (
+            "no chunk indexes",
+            Shape::with(|options| options.emit_chunk_indexes(false)).write(),
+        ),
+        ("messages outside chunks too", mixed_log()),
+        ("breaks off", whole[..whole.len() / 3].to_vec()),
+    ];
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (shape, log) in logs {
+        eprintln!("{shape}");
+        let input = folder.path().join("log.mcap");
+        fs::write(&input, log).expect("the log is written");
+        have_judged(&readers, &input);
+    }
+}
