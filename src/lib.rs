@@ -1,4 +1,46 @@
 //! Adds the camera's motion to drone flight logs in MCAP: where it looked, how it moved.
+//!
+//! ```no_run
+//! use flightcam::{Options, enrich, geometry::DepressionAngle};
+//!
+//! let options = Options::new(DepressionAngle::from_degrees(30.0)?);
+//! let report = enrich("flight.mcap".as_ref(), "result.mcap".as_ref(), &options, &mut |_| {})?;
+//! println!("{} rotations", report.written[0].messages);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The map
+//!
+//! Data flows one way:
+//!
+//! ```text
+//! reader ──samples──▶ transform ──derived──▶ writer
+//! (a log in)          (pure mathematics)     (the same log, new channels appended)
+//! ```
+//!
+//! | module | subject | knows |
+//! | --- | --- | --- |
+//! | [`geometry`] | frames and rotations: pure functions | nobody |
+//! | [`sample`] | what flows from reader to transform | nobody |
+//! | [`derived`] | what flows from transform to writer | geometry, sample |
+//! | [`transform`] | samples → derived values, a state machine without I/O | the three above |
+//! | [`log`] | the MCAP container: what a log holds, where its bytes lie | nobody |
+//! | [`source`] | how a log says it: profiles, fields, protobuf and JSON decoders | log, sample, geometry |
+//! | [`reader`] | log + source → samples in time order | log, source, sample |
+//! | [`messages`] | the messages that the program defines, from `proto/` | derived |
+//! | [`writer`] | derived values → channels appended to a log; destinations | log, derived, messages |
+//! | [`mod@enrich`] | the pipeline and its report | all of the above |
+//! | [`error`] | what can go wrong, said so that the user knows what to do | |
+//!
+//! Reader and writer never know each other, and only the command line, in the binary, prints.
+//!
+//! Where a change goes: a new autopilot is a file in `profiles/`; a new encoding is a decoder in [`source`]; a
+//! new derived quantity starts in [`derived`] and `proto/`, and the compiler leads on from there.
+//!
+//! # Units and frames
+//!
+//! Angles are radians, except in the command line and in profiles, which say so. Velocities are metres per
+//! second over ground, times nanoseconds of log time. Frames are in [`geometry`].
 #![forbid(unsafe_code)]
 
 pub mod derived;
@@ -13,5 +55,7 @@ pub mod source;
 pub mod transform;
 pub mod writer;
 
+#[doc(inline)]
 pub use enrich::{Options, Progress, Report, enrich};
+#[doc(inline)]
 pub use error::Error;

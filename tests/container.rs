@@ -255,8 +255,10 @@ fn a_summary_whose_checksum_is_wrong_is_not_believed() {
 
 #[test]
 fn fields_that_a_later_format_appends_to_summary_records_survive() {
-    let mut shape = Shape::default();
-    shape.attachment_and_metadata = true;
+    let shape = Shape {
+        attachment_and_metadata: true,
+        ..Shape::default()
+    };
     let mut parts = Parts::of(&shape.write());
     for (opcode, body) in &mut parts.summary {
         if *opcode != op::STATISTICS {
