@@ -29,7 +29,8 @@
 //! | [`reader`] | log + source → samples in time order | log, source, sample |
 //! | [`messages`] | the messages that the program defines, from `proto/` | derived |
 //! | [`writer`] | derived values → channels appended to a log; destinations | log, derived, messages |
-//! | [`mod@enrich`] | the pipeline and its report | all of the above |
+//! | [`mod@enrich`] | the pipeline | all of the above |
+//! | [`report`] | what a run found and did | what it reports on |
 //! | [`error`] | what can go wrong, said so that the user knows what to do | |
 //!
 //! Reader and writer never know each other, and only the command line, in the binary, prints.
@@ -50,12 +51,15 @@ pub mod geometry;
 pub mod log;
 pub mod messages;
 pub mod reader;
+pub mod report;
 pub mod sample;
 pub mod source;
 pub mod transform;
 pub mod writer;
 
 #[doc(inline)]
-pub use enrich::{Options, Progress, Report, enrich};
+pub use enrich::{Options, Progress, enrich};
 #[doc(inline)]
 pub use error::Error;
+#[doc(inline)]
+pub use report::Report;

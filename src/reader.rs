@@ -95,10 +95,15 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Bytes of the segments that have telemetry: read so far, and still to read.
-    pub fn progress(&self) -> (u64, u64) {
+    /// Bytes of the segments that have telemetry.
+    pub fn bytes_total(&self) -> u64 {
         let unread: u64 = self.unread.iter().map(|(_, segment)| segment.length).sum();
-        (self.bytes_read, unread)
+        self.bytes_read + unread
+    }
+
+    /// Of these, the bytes that were read.
+    pub fn bytes_read(&self) -> u64 {
+        self.bytes_read
     }
 
     /// The source, and what was dropped, after the last sample.

@@ -10,8 +10,9 @@ use std::{
 use clap::{Args, CommandFactory, error::ErrorKind};
 use flightcam::{
     Error, Options, Progress, Report,
-    enrich::{SampleReport, default_output, enrich},
+    enrich::{default_output, enrich},
     geometry::DepressionAngle,
+    report::SampleReport,
     source::profile::{Profile, ProfileChoice},
     transform::MaxGap,
 };

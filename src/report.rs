@@ -1,0 +1,254 @@
+//! What a run found and did, for people, for scripts, and for the result's own Metadata record.
+
+use std::{collections::BTreeMap, path::PathBuf};
+
+use serde::Serialize;
+
+use crate::{
+    derived::Quantity,
+    enrich::Options,
+    log::{Log, ScanReason},
+    messages,
+    reader::Dropped,
+    sample::{DropReason, Tally},
+    source::{Source, profile::ProfileChoice},
+    transform::{Breaks, Outcome},
+    writer::Appended,
+};
+
+/// What a run did. As JSON it is what scripts read, so its names are part of the interface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    pub input: PathBuf,
+    pub output: PathBuf,
+    pub profile: ProfileReport,
+    pub depression_deg: f64,
+    pub max_gap_s: f64,
+    pub attitude: SampleReport,
+    pub velocity: SampleReport,
+    pub breaks: Breaks,
+    pub written: Vec<WrittenTopic>,
+    pub not_written: Vec<MissingTopic>,
+    pub bytes_copied: u64,
+    pub bytes_appended: u64,
+    /// Whether everything in the input could be read.
+    pub complete: bool,
+    /// What the user should know besides.
+    pub notes: Vec<String>,
+}
+
+/// The profile that was used.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ProfileReport {
+    pub name: String,
+    /// Why this one, in words.
+    pub reason: String,
+}
+
+/// What became of one kind of sample.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SampleReport {
+    /// Where the samples come from; absent where the log has none.
+    pub topic: Option<String>,
+    #[serde(flatten)]
+    pub tally: Tally,
+}
+
+/// A topic of the result.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct WrittenTopic {
+    pub topic: &'static str,
+    pub schema: &'static str,
+    pub messages: u64,
+}
+
+/// A topic that the result does not have.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct MissingTopic {
+    pub topic: &'static str,
+    /// Why not, in words.
+    pub reason: String,
+}
+
+/// What was found in a log, once all of its telemetry was read.
+pub(crate) struct Findings<'a> {
+    log: &'a Log,
+    options: &'a Options,
+    source: Source,
+    attitude: SampleReport,
+    velocity: SampleReport,
+    breaks: Breaks,
+}
+
+impl<'a> Findings<'a> {
+    pub fn new(
+        log: &'a Log,
+        options: &'a Options,
+        source: Source,
+        dropped: &Dropped,
+        outcome: Outcome,
+    ) -> Self {
+        let samples = |topic, mut tally: Tally, dropped| {
+            tally.merge(dropped);
+            SampleReport { topic, tally }
+        };
+        Self {
+            log,
+            options,
+            attitude: samples(
+                Some(source.attitude_topic.clone()),
+                outcome.attitude,
+                &dropped.attitude,
+            ),
+            velocity: samples(
+                source.velocity_topic.clone().ok(),
+                outcome.velocity,
+                &dropped.velocity,
+            ),
+            breaks: outcome.breaks,
+            source,
+        }
+    }
+
+    /// Why a quantity has no messages, if it has none.
+    pub fn why_missing(&self, quantity: Quantity) -> String {
+        let attitude = &self.attitude.tally;
+        match (quantity, &self.source.velocity_topic) {
+            (Quantity::RelativeRpy, _) if attitude.used < 2 => format!(
+                "it takes two usable attitude samples, and {} has {}",
+                self.source.attitude_topic,
+                describe(attitude)
+            ),
+            (Quantity::RelativeRpy, _) => format!(
+                "no two attitude samples belong together ({} gaps, {} resets)",
+                self.breaks.gaps, self.breaks.resets
+            ),
+            (Quantity::CameraVelocity, Ok(topic)) => {
+                let tally = describe(&self.velocity.tally);
+                format!("of the velocity samples on {topic}, {tally}")
+            }
+            (Quantity::CameraVelocity, Err(reason)) => reason.clone(),
+        }
+    }
+
+    /// How the result was made, as its Metadata record says it.
+    pub fn facts(&self) -> BTreeMap<String, String> {
+        let Self {
+            options, source, ..
+        } = self;
+        let profile_toml = toml::to_string(&source.profile);
+        let mut facts = BTreeMap::from(
+            [
+                ("depression_deg", options.depression.degrees().to_string()),
+                ("max_gap_s", options.max_gap.seconds().to_string()),
+                ("profile", source.profile.name.clone()),
+                (
+                    "profile_toml",
+                    profile_toml.expect("a profile was read from TOML"),
+                ),
+                ("attitude_gaps", self.breaks.gaps.to_string()),
+                ("attitude_resets", self.breaks.resets.to_string()),
+            ]
+            .map(|(key, fact)| (key.to_owned(), fact)),
+        );
+        for (kind, samples) in [("attitude", &self.attitude), ("velocity", &self.velocity)] {
+            if let Some(topic) = &samples.topic {
+                facts.insert(format!("{kind}_topic"), topic.clone());
+            }
+            facts.insert(format!("{kind}_used"), samples.tally.used.to_string());
+            for (reason, count) in &samples.tally.dropped {
+                let key = format!("{kind}_dropped_{}", reason.name());
+                facts.insert(key, count.to_string());
+            }
+        }
+        facts
+    }
+
+    /// The report on a result that was written to `output`.
+    pub fn report(self, output: PathBuf, appended: Appended) -> Report {
+        let has_messages = |quantity: &Quantity| appended.messages.contains_key(quantity);
+        let (written, missing): (Vec<Quantity>, Vec<Quantity>) =
+            Quantity::ALL.into_iter().partition(has_messages);
+        let undecodable = [&self.attitude, &self.velocity]
+            .iter()
+            .any(|samples| samples.tally.dropped.contains_key(&DropReason::Undecodable));
+        let reason = self.source.reason();
+        Report {
+            input: self.log.file.path().into(),
+            output,
+            profile: ProfileReport {
+                name: self.source.profile.name.clone(),
+                reason: match self.options.profile {
+                    ProfileChoice::Automatic => format!("chosen because {reason}"),
+                    ProfileChoice::Given(_) => format!("as asked for; {reason}"),
+                },
+            },
+            depression_deg: self.options.depression.degrees(),
+            max_gap_s: self.options.max_gap.seconds(),
+            written: written
+                .into_iter()
+                .map(|quantity| WrittenTopic {
+                    topic: quantity.topic(),
+                    schema: messages::schema(quantity).name,
+                    messages: appended.messages[&quantity],
+                })
+                .collect(),
+            not_written: missing
+                .into_iter()
+                .map(|quantity| MissingTopic {
+                    topic: quantity.topic(),
+                    reason: self.why_missing(quantity),
+                })
+                .collect(),
+            bytes_copied: appended.copied,
+            bytes_appended: appended.appended,
+            complete: self.log.breaks_off_at.is_none() && !undecodable,
+            notes: self.notes(),
+            attitude: self.attitude,
+            velocity: self.velocity,
+            breaks: self.breaks,
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let log = self.log;
+        let end = match (log.breaks_off_at, log.scanned) {
+            (Some(offset), _) if offset == log.file.len() => Some(
+                "the log was never closed; all of its records were used, and the result is closed"
+                    .to_owned(),
+            ),
+            (Some(offset), _) => {
+                let lost = log.file.len() - offset;
+                Some(format!(
+                    "the log breaks off at byte {offset}; the {lost} bytes from there on are not readable"
+                ))
+            }
+            (None, Some(ScanReason::NotClosed)) => Some(
+                "the log's summary breaks off, its data is whole; the result has a whole summary"
+                    .to_owned(),
+            ),
+            (None, Some(ScanReason::NoSummary)) => {
+                Some("the log had no readable summary; the result has one".to_owned())
+            }
+            (None, Some(ScanReason::IncompleteSummary)) => Some(
+                "the log's summary was incomplete or wrong; the result's is complete".to_owned(),
+            ),
+            (None, None) => None,
+        };
+        let loose = log.contents.has_loose_messages().then(|| {
+            "the log has messages outside chunks; the result has no chunk index, which would hide them"
+                .to_owned()
+        });
+        let notes = [end, loose, self.source.suspicion()];
+        notes.into_iter().flatten().collect()
+    }
+}
+
+/// A tally in words.
+fn describe(tally: &Tally) -> String {
+    let mut words = vec![format!("{} of {} usable", tally.used, tally.total())];
+    for (reason, count) in &tally.dropped {
+        words.push(format!("{count} {}", reason.describe()));
+    }
+    words.join(", ")
+}
