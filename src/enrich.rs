@@ -5,39 +5,14 @@ use std::path::{Path, PathBuf};
 use crate::{
     derived::Quantity,
     error::Error,
-    geometry::DepressionAngle,
     log::Log,
+    options::Options,
     reader::Reader,
     report::{Findings, Report},
-    source::{Source, profile::ProfileChoice},
-    transform::{MaxGap, Transform},
+    source::Source,
+    transform::Transform,
     writer::{Appender, destination::Destination, provenance},
 };
-
-/// How to enrich a log.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// How far below the horizon the camera looks.
-    pub depression: DepressionAngle,
-    /// The longest time between two attitude samples that still belong together.
-    pub max_gap: MaxGap,
-    /// How the log names its telemetry.
-    pub profile: ProfileChoice,
-    /// Whether an output that exists is replaced.
-    pub overwrite: bool,
-}
-
-impl Options {
-    /// With everything but the camera's angle left to the defaults.
-    pub fn new(depression: DepressionAngle) -> Self {
-        Self {
-            depression,
-            max_gap: MaxGap::default(),
-            profile: ProfileChoice::Automatic,
-            overwrite: false,
-        }
-    }
-}
 
 /// How far a run is, in bytes: of the telemetry read, and of the log copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::{derived::Quantity, log::ForeignFormat};
+use crate::derived::Quantity;
 
 /// Why a log could not be enriched. Every message names the file, the cause, and the way out.
 #[derive(Debug, thiserror::Error)]
@@ -24,10 +24,11 @@ pub enum Error {
     #[error("{}: the file is empty; was the recording or the download interrupted?", path.display())]
     Empty { path: PathBuf },
 
-    #[error("{}: not an MCAP file: {}", path.display(), foreign_format_advice(*kind))]
+    #[error("{}: not an MCAP file: {advice}", path.display())]
     NotMcap {
         path: PathBuf,
-        kind: Option<ForeignFormat>,
+        /// What it seems to be instead, and what to do then.
+        advice: &'static str,
     },
 
     #[error(
@@ -126,25 +127,5 @@ impl Error {
             self,
             Self::UnknownProfile { .. } | Self::BadProfile { .. } | Self::OutputIsInput { .. }
         )
-    }
-}
-
-fn foreign_format_advice(kind: Option<ForeignFormat>) -> &'static str {
-    match kind {
-        Some(ForeignFormat::ULog) => {
-            "it is a PX4 ULog; convert it to MCAP first, for instance by opening and exporting it in Foxglove"
-        }
-        Some(ForeignFormat::Rosbag) => {
-            "it is a ROS 1 bag; convert it first with `mcap convert INPUT OUTPUT.mcap` (https://mcap.dev)"
-        }
-        Some(ForeignFormat::Sqlite) => {
-            "it is an SQLite database, perhaps a ROS 2 bag; convert it first with `ros2 bag convert`"
-        }
-        Some(ForeignFormat::DataFlash) => {
-            "it is an ArduPilot DataFlash log; convert it to MCAP first"
-        }
-        None => {
-            "it does not begin with the magic bytes of an MCAP; check that it is the log you meant"
-        }
     }
 }

@@ -30,6 +30,7 @@
 //! | [`messages`] | the messages that the program defines, from `proto/` | derived |
 //! | [`writer`] | derived values → channels appended to a log; destinations | log, derived, messages |
 //! | [`mod@enrich`] | the pipeline | all of the above |
+//! | [`options`] | what the user decides about a run | geometry, source, transform |
 //! | [`report`] | what a run found and did | what it reports on |
 //! | [`error`] | what can go wrong, said so that the user knows what to do | |
 //!
@@ -50,6 +51,7 @@ pub mod error;
 pub mod geometry;
 pub mod log;
 pub mod messages;
+pub mod options;
 pub mod reader;
 pub mod report;
 pub mod sample;
@@ -58,8 +60,10 @@ pub mod transform;
 pub mod writer;
 
 #[doc(inline)]
-pub use enrich::{Options, Progress, enrich};
+pub use enrich::{Progress, enrich};
 #[doc(inline)]
 pub use error::Error;
+#[doc(inline)]
+pub use options::Options;
 #[doc(inline)]
 pub use report::Report;

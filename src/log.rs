@@ -9,6 +9,7 @@ pub mod record;
 
 mod chunk;
 mod file;
+mod foreign;
 mod scan;
 mod summary;
 
@@ -239,7 +240,7 @@ fn read_header(file: &LogFile) -> Result<Header, Error> {
     if start != mcap::MAGIC {
         return Err(Error::NotMcap {
             path: file.path().into(),
-            kind: ForeignFormat::recognise(&start),
+            advice: foreign::advice(&start),
         });
     }
     let mut walker = Walker::new(file, magic_length, file.len());
@@ -253,27 +254,4 @@ fn read_header(file: &LogFile) -> Result<Header, Error> {
         magic_length,
         "there should be the header, the log's first record",
     ))
-}
-
-/// Formats of flight logs that are easily taken for an MCAP.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ForeignFormat {
-    ULog,
-    Rosbag,
-    Sqlite,
-    DataFlash,
-}
-
-impl ForeignFormat {
-    fn recognise(start: &[u8]) -> Option<Self> {
-        let formats: [(&[u8], Self); 4] = [
-            (b"ULog", Self::ULog),
-            (b"#ROSBAG", Self::Rosbag),
-            (b"SQLite ", Self::Sqlite),
-            (&[0xa3, 0x95], Self::DataFlash),
-        ];
-        formats
-            .into_iter()
-            .find_map(|(magic, format)| start.starts_with(magic).then_some(format))
-    }
 }

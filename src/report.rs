@@ -1,14 +1,17 @@
 //! What a run found and did, for people, for scripts, and for the result's own Metadata record.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::{
     derived::Quantity,
-    enrich::Options,
     log::{Log, ScanReason},
     messages,
+    options::Options,
     reader::Dropped,
     sample::{DropReason, Tally},
     source::{Source, profile::ProfileChoice},
@@ -19,7 +22,9 @@ use crate::{
 /// What a run did. As JSON it is what scripts read, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
+    #[serde(serialize_with = "lossy")]
     pub input: PathBuf,
+    #[serde(serialize_with = "lossy")]
     pub output: PathBuf,
     pub profile: ProfileReport,
     pub depression_deg: f64,
@@ -242,6 +247,11 @@ impl<'a> Findings<'a> {
         let notes = [end, loose, self.source.suspicion()];
         notes.into_iter().flatten().collect()
     }
+}
+
+/// A path for JSON, which cannot hold every file name that a system allows.
+fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
 }
 
 /// A tally in words.

@@ -61,7 +61,7 @@ enum Unresolved {
     #[error("its field `{path}` does not exist, because `{name}` is not a single message")]
     NotAMessage { path: FieldPath, name: String },
     #[error("its field `{path}` is not a number but a {kind}")]
-    NotANumber { path: FieldPath, kind: String },
+    NotANumber { path: FieldPath, kind: &'static str },
 }
 
 impl Source {
@@ -94,7 +94,8 @@ impl Source {
                 }
                 let _ = write!(details, "\ntopics of the log: {}", describe_topics(log));
                 details.push_str(
-                    "\nif the telemetry is among them, describe it in a profile of your own (--profile FILE.toml)",
+                    "\nflightcam reads protobuf and JSON messages; where the telemetry is in some of those, \
+                     describe it in a profile of your own (--profile FILE.toml, explained in the README)",
                 );
                 Err(Error::NoTelemetry {
                     path: log.file.path().into(),

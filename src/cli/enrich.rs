@@ -14,7 +14,7 @@ use flightcam::{
     geometry::DepressionAngle,
     report::SampleReport,
     source::profile::{Profile, ProfileChoice},
-    transform::MaxGap,
+    transform::{Breaks, MaxGap},
 };
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
 
@@ -24,6 +24,7 @@ use super::{Cli, Exit};
 ///
 /// Every byte of the log's data is kept as it is; the new channels lie behind it.
 #[derive(Debug, Args)]
+#[command(override_usage = "flightcam enrich <INPUT> --depression <DEG> [OPTIONS]")]
 #[command(after_help = "Example:\n  flightcam enrich flight.mcap --depression 30")]
 pub struct Arguments {
     /// The log
@@ -98,7 +99,11 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
 
 /// Ends the process: there is no angle that would be right for somebody who did not think of it.
 fn explain_depression() -> ! {
-    Cli::command()
+    let mut command = Cli::command();
+    command.build();
+    let enrich = command.find_subcommand_mut("enrich");
+    enrich
+        .expect("this subcommand exists")
         .error(
             ErrorKind::MissingRequiredArgument,
             "--depression DEG is missing: the angle of the camera's optical axis below the horizon, \
@@ -144,33 +149,27 @@ fn describe(report: &Report) -> String {
         "Camera",
         &format!("looks {}° below the horizon", report.depression_deg),
     );
-    for (label, samples) in [
-        ("Attitude", &report.attitude),
-        ("Velocity", &report.velocity),
-    ] {
-        describe_samples(&mut line, label, samples);
-    }
-    let breaks = report.breaks;
-    if breaks.gaps > 0 {
-        let count = HumanCount(breaks.gaps);
+    describe_samples(&mut line, "Attitude", &report.attitude);
+    let Breaks { gaps, resets } = report.breaks;
+    if gaps > 0 {
+        let gaps = plural(gaps, "gap");
         let max_gap = report.max_gap_s;
         line(
             "",
-            &format!(
-                "{count} gaps in the attitude longer than {max_gap} s: no rotation across them"
-            ),
+            &format!("no rotation across {gaps} longer than {max_gap} s"),
         );
     }
-    if breaks.resets > 0 {
-        let count = HumanCount(breaks.resets);
+    if resets > 0 {
+        let resets = plural(resets, "reset");
         line(
             "",
-            &format!("{count} resets of the attitude estimator: no rotation across them"),
+            &format!("no rotation across {resets} of the attitude estimator"),
         );
     }
+    describe_samples(&mut line, "Velocity", &report.velocity);
     for topic in &report.written {
-        let count = HumanCount(topic.messages);
-        line("Written", &format!("{}: {count} messages", topic.topic));
+        let messages = plural(topic.messages, "message");
+        line("Written", &format!("{}: {messages}", topic.topic));
     }
     for topic in &report.not_written {
         line("Not written", &format!("{}: {}", topic.topic, topic.reason));
@@ -201,6 +200,12 @@ fn describe(report: &Report) -> String {
         fields.join(" and ")
     );
     text
+}
+
+/// A count of things, with the thing's plural where it is due.
+fn plural(count: u64, thing: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{} {thing}{ending}", HumanCount(count))
 }
 
 fn describe_samples(line: &mut impl FnMut(&str, &str), label: &str, samples: &SampleReport) {

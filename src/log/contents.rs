@@ -131,14 +131,6 @@ impl Contents {
         self.schemas.get(&channel.schema_id)
     }
 
-    /// How many messages a channel has.
-    pub fn message_count(&self, channel_id: u16) -> u64 {
-        self.segments
-            .iter()
-            .filter_map(|segment| segment.message_counts.get(&channel_id))
-            .sum()
-    }
-
     /// Statistics of what is listed here, whatever the log's own said.
     pub fn recount(&self) -> Statistics {
         let mut counts = BTreeMap::new();

@@ -66,7 +66,7 @@ impl Decoder {
                 slot,
                 scalar: Scalar::of(last).ok_or_else(|| Unresolved::NotANumber {
                     path: path.clone(),
-                    kind: format!("{:?}", last.kind()).to_lowercase(),
+                    kind: kind_name(last),
                 })?,
                 is_list: last.is_list(),
                 has_presence: last.supports_presence(),
@@ -112,6 +112,15 @@ fn resolve(
         chain.push(field);
     }
     Ok(chain)
+}
+
+fn kind_name(field: &FieldDescriptor) -> &'static str {
+    match field.kind() {
+        _ if field.is_map() => "map",
+        Kind::String => "string",
+        Kind::Bytes => "string of bytes",
+        _ => "message",
+    }
 }
 
 impl Scalar {
