@@ -2,7 +2,10 @@
 
 mod enrich;
 
-use std::process::ExitCode;
+use std::{
+    io::{self, Write},
+    process::ExitCode,
+};
 
 use clap::{Parser, Subcommand};
 use flightcam::Error;
@@ -49,10 +52,15 @@ pub fn run() -> ExitCode {
     };
     result
         .unwrap_or_else(|error| {
-            eprintln!("error: {error}");
+            complain("error", &error.to_string());
             exit_for(&error)
         })
         .into()
+}
+
+/// Writes to standard error, which is not worth failing for.
+fn complain(what: &str, message: &str) {
+    let _ = writeln!(io::stderr(), "{what}: {message}");
 }
 
 fn exit_for(error: &Error) -> Exit {

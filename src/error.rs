@@ -41,8 +41,24 @@ pub enum Error {
         what: String,
     },
 
-    #[error("{}: no usable telemetry\n{details}", path.display())]
-    NoTelemetry { path: PathBuf, details: String },
+    #[error(
+        "{}: no usable telemetry\nlooked for:{looked_for}\n{topics}\n\
+         flightcam reads protobuf and JSON messages; where the telemetry is in some of those, \
+         describe it in a profile of your own (--profile FILE.toml, explained in the README)", path.display()
+    )]
+    NoTelemetry {
+        path: PathBuf,
+        /// Each profile and why it does not fit.
+        looked_for: String,
+        /// What the log has instead.
+        topics: String,
+    },
+
+    #[error(
+        "{}: {} fit equally well; choose one in a profile of your own (--profile FILE.toml) that says \
+         `topics = [\"{}\"]` under [attitude]", path.display(), topics.join(" and "), topics[0]
+    )]
+    SeveralTopicsFit { path: PathBuf, topics: Vec<String> },
 
     #[error("{}: the profile `{profile}` does not fit: {problem}", path.display())]
     ProfileDoesNotFit {
@@ -61,7 +77,7 @@ pub enum Error {
     BadProfile { path: PathBuf, problem: String },
 
     #[error(
-        "{}: no sample is usable, so there is nothing to write\n{details}", path.display()
+        "{}: nothing can be derived from its telemetry\n{details}", path.display()
     )]
     NothingDerived { path: PathBuf, details: String },
 
@@ -76,7 +92,7 @@ pub enum Error {
     },
 
     #[error(
-        "{}: already has a topic {}, which flightcam did not write (schema `{schema}`); \
+        "{}: already has a topic {}, which flightcam did not write ({schema}); \
          rename or remove that topic first, it would not be told apart from flightcam's",
         path.display(), quantity.topic()
     )]
@@ -94,13 +110,16 @@ pub enum Error {
     )]
     OutputExists { path: PathBuf },
 
+    #[error("{}: is a folder; name the output's file with -o", path.display())]
+    OutputIsFolder { path: PathBuf },
+
     #[error(
         "{}: the output would replace the input; choose another output with -o", path.display()
     )]
     OutputIsInput { path: PathBuf },
 
     #[error(
-        "{}: the output's folder {} does not exist; create it, or choose another output with -o",
+        "{}: there is no folder {} for the output; create it, or choose another output with -o",
         path.display(), folder.display()
     )]
     NoOutputFolder { path: PathBuf, folder: PathBuf },

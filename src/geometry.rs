@@ -31,7 +31,10 @@ pub struct DepressionAngle {
 
 /// A depression angle that is not greater than −90° and at most 90°.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("a depression angle of {0}° is out of range: it must be greater than -90 and at most 90")]
+#[error(
+    "a depression angle of {0}° is out of range: it must be greater than -90 and at most 90 \
+     (a gimbal pitch of -90° is a depression angle of 90°)"
+)]
 pub struct DepressionOutOfRange(pub f64);
 
 impl DepressionAngle {

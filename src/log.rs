@@ -38,7 +38,7 @@ pub struct Log {
     pub contents: Contents,
     /// Why what the log holds had to be found by reading all of it, where it had to.
     pub scanned: Option<ScanReason>,
-    /// Where the log breaks off: bytes from here on could not be read.
+    /// Where a log that was not closed breaks off: bytes from here on, if any, could not be read.
     pub breaks_off_at: Option<u64>,
 }
 
@@ -129,6 +129,12 @@ impl Log {
             scanned: Some(reason),
             breaks_off_at,
         })
+    }
+
+    /// Whether no bytes of the log were left unread because they make no sense.
+    pub fn is_readable_to_its_end(&self) -> bool {
+        self.breaks_off_at
+            .is_none_or(|offset| offset == self.file.len())
     }
 
     /// The Metadata records of one name.

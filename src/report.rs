@@ -174,9 +174,6 @@ impl<'a> Findings<'a> {
         let has_messages = |quantity: &Quantity| appended.messages.contains_key(quantity);
         let (written, missing): (Vec<Quantity>, Vec<Quantity>) =
             Quantity::ALL.into_iter().partition(has_messages);
-        let undecodable = [&self.attitude, &self.velocity]
-            .iter()
-            .any(|samples| samples.tally.dropped.contains_key(&DropReason::Undecodable));
         let reason = self.source.reason();
         Report {
             input: self.log.file.path().into(),
@@ -207,12 +204,19 @@ impl<'a> Findings<'a> {
                 .collect(),
             bytes_copied: appended.copied,
             bytes_appended: appended.appended,
-            complete: self.log.breaks_off_at.is_none() && !undecodable,
+            complete: self.log.is_readable_to_its_end() && self.undecodable() == 0,
             notes: self.notes(),
             attitude: self.attitude,
             velocity: self.velocity,
             breaks: self.breaks,
         }
+    }
+
+    /// Readings whose messages did not decode.
+    fn undecodable(&self) -> u64 {
+        let tallies = [&self.attitude.tally, &self.velocity.tally];
+        let counts = tallies.map(|tally| tally.dropped.get(&DropReason::Undecodable));
+        counts.into_iter().flatten().sum()
     }
 
     fn notes(&self) -> Vec<String> {
@@ -241,10 +245,13 @@ impl<'a> Findings<'a> {
             (None, None) => None,
         };
         let loose = log.contents.has_loose_messages().then(|| {
-            "the log has messages outside chunks; the result has no chunk index, which would hide them"
+            "the log has messages outside chunks, which a chunk index would hide; \
+             the result has none, so seeking in it takes longer"
                 .to_owned()
         });
-        let notes = [end, loose, self.source.suspicion()];
+        let undecodable = (self.undecodable() > 0)
+            .then(|| "some messages do not decode as their schema says".to_owned());
+        let notes = [end, loose, undecodable, self.source.suspicion()];
         notes.into_iter().flatten().collect()
     }
 }

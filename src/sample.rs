@@ -108,13 +108,15 @@ impl DropReason {
     pub fn describe(self) -> &'static str {
         match self {
             DropReason::Undecodable => "not decodable",
-            DropReason::MissingField => "a field is missing",
-            DropReason::NonFinite => "a number is not finite",
-            DropReason::NotARotation => "the quaternion is not a rotation",
+            DropReason::MissingField => "without a field that is needed",
+            DropReason::NonFinite => "with a number that is not finite",
+            DropReason::NotARotation => "with a quaternion that is no rotation",
             DropReason::MarkedInvalid => "marked invalid by the log",
-            DropReason::DuplicateTime => "a second sample at the same time",
-            DropReason::UndefinedHeading => "the drone's nose is vertical, so it has no heading",
-            DropReason::OutsideAttitude => "before the first or after the last attitude",
+            DropReason::DuplicateTime => "at the time of an earlier sample",
+            DropReason::UndefinedHeading => {
+                "with the nose straight up or down, where there is no heading"
+            }
+            DropReason::OutsideAttitude => "before the first or after the last usable attitude",
             DropReason::InAttitudeGap => "in a gap of the attitude",
             DropReason::AcrossAttitudeReset => "across a reset of the attitude estimator",
         }

@@ -25,7 +25,7 @@ pub struct MaxGap {
 /// A maximum gap that is not a positive time.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "a maximum gap of {0} s is out of range: it must be greater than 0 and at most 1e9 seconds"
+    "a maximum gap of {0} s is out of range: it must be greater than 0 and at most 1000000000 s"
 )]
 pub struct MaxGapOutOfRange(pub f64);
 
@@ -33,11 +33,12 @@ impl MaxGap {
     /// From seconds, rounded to the nanosecond.
     ///
     /// # Errors
-    /// Not greater than 0 and at most 1e9, or not a number.
+    /// Less than a nanosecond, more than 1e9 seconds, or not a number.
     pub fn from_seconds(seconds: f64) -> Result<Self, MaxGapOutOfRange> {
-        if seconds > 0.0 && seconds <= 1e9 {
+        let nanoseconds = (seconds * 1e9).round();
+        if (1.0..=1e18).contains(&nanoseconds) {
             Ok(Self {
-                nanoseconds: (seconds * 1e9).round() as u64,
+                nanoseconds: nanoseconds as u64,
             })
         } else {
             Err(MaxGapOutOfRange(seconds))

@@ -441,7 +441,7 @@ fn two_topics_that_fit_equally_well_are_not_guessed_between() {
     }
     let error = log.enrich(None).expect_err("either would do").to_string();
     assert!(
-        error.contains("/drone1/state, /drone2/state fit equally well"),
+        error.contains("/drone1/state and /drone2/state fit equally well"),
         "{error}"
     );
 }

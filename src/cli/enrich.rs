@@ -2,12 +2,15 @@
 
 use std::{
     fmt::Write as _,
-    io::{self, IsTerminal, Write},
+    io::{self, ErrorKind, IsTerminal, Write},
     path::PathBuf,
     time::{Duration, Instant},
 };
 
-use clap::{Args, CommandFactory, error::ErrorKind};
+use clap::{
+    Args, CommandFactory,
+    builder::{PathBufValueParser, TypedValueParser},
+};
 use flightcam::{
     Error, Options, Progress, Report,
     enrich::{default_output, enrich},
@@ -18,7 +21,7 @@ use flightcam::{
 };
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
 
-use super::{Cli, Exit};
+use super::{Cli, Exit, complain};
 
 /// Write a log again with /camera/relative_rpy and /camera/velocity
 ///
@@ -27,15 +30,15 @@ use super::{Cli, Exit};
 #[command(override_usage = "flightcam enrich <INPUT> --depression <DEG> [OPTIONS]")]
 #[command(after_help = "Example:\n  flightcam enrich flight.mcap --depression 30")]
 pub struct Arguments {
-    /// The log
+    /// The flight log, an MCAP file
     input: PathBuf,
 
     /// Where the result goes [default: NAME.enriched.mcap beside the log]
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FILE", value_parser = file_name())]
     output: Option<PathBuf>,
 
     /// How far the camera looks below the horizon, in degrees: 0 ahead, 30 for a gimbal pitch of -30,
-    /// 90 straight down
+    /// 90 straight down [required]
     #[arg(long, value_name = "DEG", value_parser = depression_angle, allow_negative_numbers = true)]
     depression: Option<DepressionAngle>,
 
@@ -43,7 +46,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = max_gap, default_value = "5", allow_negative_numbers = true)]
     max_gap: MaxGap,
 
-    /// How the log names its telemetry: a built-in profile's name or a TOML file [default: what fits]
+    /// How the log names its telemetry: px4-ulog, flat, flat-deg, or a TOML file of one's own
+    /// [default: what fits]
     #[arg(long, value_name = "NAME|FILE")]
     profile: Option<String>,
 
@@ -51,7 +55,7 @@ pub struct Arguments {
     #[arg(long)]
     force: bool,
 
-    /// Print nothing but errors
+    /// Print no report and no progress, only errors
     #[arg(short, long)]
     quiet: bool,
 
@@ -84,17 +88,27 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     bar.clear();
     let report = report?;
 
-    if arguments.json {
+    let printed = if arguments.json {
         let json = serde_json::to_string_pretty(&report);
-        print(&json.expect("a report has only string keys"));
-    } else if !arguments.quiet {
-        print(&describe(&report));
-    }
-    Ok(if report.complete {
-        Exit::Done
+        print(&json.expect("a report has only string keys"))
+    } else if arguments.quiet {
+        Ok(())
     } else {
-        Exit::PartlyUnreadable
-    })
+        print(&describe(&report))
+    };
+    if let Err(error) = printed {
+        complain("error", &format!("cannot write the report: {error}"));
+        return Ok(Exit::Failed);
+    }
+    if report.complete {
+        return Ok(Exit::Done);
+    }
+    if arguments.quiet || arguments.json {
+        for note in &report.notes {
+            complain("warning", &format!("{}: {note}", input.display()));
+        }
+    }
+    Ok(Exit::PartlyUnreadable)
 }
 
 /// Ends the process: there is no angle that would be right for somebody who did not think of it.
@@ -105,7 +119,7 @@ fn explain_depression() -> ! {
     enrich
         .expect("this subcommand exists")
         .error(
-            ErrorKind::MissingRequiredArgument,
+            clap::error::ErrorKind::MissingRequiredArgument,
             "--depression DEG is missing: the angle of the camera's optical axis below the horizon, \
              which the log does not tell\n\n  \
              --depression 0    the camera looks ahead, at the horizon\n  \
@@ -125,14 +139,27 @@ fn max_gap(seconds: &str) -> Result<MaxGap, String> {
     MaxGap::from_seconds(number(seconds)?).map_err(|error| error.to_string())
 }
 
+/// A path to a file. A lone dash, which elsewhere means a pipe, would be taken for a name.
+fn file_name() -> impl TypedValueParser {
+    PathBufValueParser::new().try_map(|path| match path.as_os_str() == "-" {
+        true => Err("flightcam does not write to a pipe; name a file"),
+        false => Ok(path),
+    })
+}
+
 fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "not a number".to_owned())
+    text.parse()
+        .map_err(|_| "not a number; write it as 30 or 30.5".to_owned())
 }
 
 /// Writes a result to standard output. A reader that stops reading early is no error.
-fn print(text: &str) {
+fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+    let written = writeln!(out, "{text}").and_then(|()| out.flush());
+    written.or_else(|error| match error.kind() {
+        ErrorKind::BrokenPipe => Ok(()),
+        _ => Err(error),
+    })
 }
 
 fn describe(report: &Report) -> String {
@@ -145,10 +172,7 @@ fn describe(report: &Report) -> String {
         "Profile",
         &format!("{}, {}", report.profile.name, report.profile.reason),
     );
-    line(
-        "Camera",
-        &format!("looks {}° below the horizon", report.depression_deg),
-    );
+    line("Camera", &describe_angle(report.depression_deg));
     describe_samples(&mut line, "Attitude", &report.attitude);
     let Breaks { gaps, resets } = report.breaks;
     if gaps > 0 {
@@ -200,6 +224,16 @@ fn describe(report: &Report) -> String {
         fields.join(" and ")
     );
     text
+}
+
+fn describe_angle(depression_deg: f64) -> String {
+    if depression_deg == 0.0 {
+        "looks at the horizon".to_owned()
+    } else if depression_deg < 0.0 {
+        format!("looks {}° above the horizon", -depression_deg)
+    } else {
+        format!("looks {depression_deg}° below the horizon")
+    }
 }
 
 /// A count of things, with the thing's plural where it is due.

@@ -20,11 +20,13 @@ impl LogFile {
     /// The file does not exist, is not a regular file, or cannot be opened.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let io = |source| Error::io("cannot open", path, source);
-        let file = File::open(path).map_err(io)?;
-        let metadata = file.metadata().map_err(io)?;
+        // Asked before opening, because opening a pipe waits for somebody to write to it.
+        let metadata = std::fs::metadata(path).map_err(io)?;
         if !metadata.is_file() {
             return Err(Error::NotAFile { path: path.into() });
         }
+        let file = File::open(path).map_err(io)?;
+        let metadata = file.metadata().map_err(io)?;
         Ok(Self {
             path: path.into(),
             file,

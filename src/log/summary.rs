@@ -117,6 +117,8 @@ impl Summary {
                 op::METADATA_INDEX => summary.metadata.push(Raw::parse(body).ok()?),
                 op::STATISTICS => summary.statistics = Some(parse(body).ok()?),
                 op::SUMMARY_OFFSET => {}
+                // A record that has no business in a summary.
+                opcode if opcode <= op::DATA_END => return None,
                 opcode => summary.unknown.push((opcode, body.to_vec())),
             }
         }

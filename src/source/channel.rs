@@ -11,7 +11,6 @@ use super::{
     protobuf,
 };
 use crate::{
-    error::Error,
     geometry::RollPitchYaw,
     log::{Log, record::RawMessage},
     sample::{AttitudeSample, DropReason, Kind, Sample, Stamp, VelocitySample},
@@ -28,7 +27,24 @@ pub struct ChannelSource {
     slots: Vec<FieldValue>,
     attitude: Option<AttitudeSlots>,
     velocity: Option<VelocitySlots>,
-    largest_angle: f64,
+    largest: LargestAngles,
+}
+
+/// The largest Euler angles that were read, in the profile's unit; 0 where the log has quaternions.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LargestAngles {
+    pub pitch: f64,
+    pub roll_or_yaw: f64,
+}
+
+impl LargestAngles {
+    /// Of both.
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            pitch: self.pitch.max(other.pitch),
+            roll_or_yaw: self.roll_or_yaw.max(other.roll_or_yaw),
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -63,7 +79,7 @@ impl ChannelSource {
         channel: &Channel,
         profile: &Profile,
         kinds: &[Kind],
-    ) -> Result<Result<Self, Unresolved>, Error> {
+    ) -> Result<Self, Unresolved> {
         let mut paths: Vec<FieldPath> = Vec::new();
         let mut slot_of = |path: &FieldPath| {
             let known = paths.iter().position(|other| other == path);
@@ -91,14 +107,12 @@ impl ChannelSource {
                 },
             };
             let reset_counter = match &role.reset_counter {
-                Some(counter) if counter.optional => {
-                    match Decoder::new(log, channel, std::slice::from_ref(&counter.field))? {
-                        Ok(_) => Some(slot_of(&counter.field)),
-                        Err(_) => None,
-                    }
+                Some(counter)
+                    if counter.optional && !Self::has_field(log, channel, &counter.field) =>
+                {
+                    None
                 }
-                Some(counter) => Some(slot_of(&counter.field)),
-                None => None,
+                counter => counter.as_ref().map(|counter| slot_of(&counter.field)),
             };
             attitude = Some(AttitudeSlots {
                 orientation,
@@ -113,14 +127,18 @@ impl ChannelSource {
                 valid: role.valid.iter().map(&mut slot_of).collect(),
             });
         }
-        let decoder = Decoder::new(log, channel, &paths)?;
-        Ok(decoder.map(|decoder| Self {
-            decoder,
+        Ok(Self {
+            decoder: Decoder::new(log, channel, &paths)?,
             slots: vec![FieldValue::default(); paths.len()],
             attitude,
             velocity,
-            largest_angle: 0.0,
-        }))
+            largest: LargestAngles::default(),
+        })
+    }
+
+    /// Whether a channel's messages have a field with numbers.
+    pub fn has_field(log: &Log, channel: &Channel, field: &FieldPath) -> bool {
+        Decoder::new(log, channel, std::slice::from_ref(field)).is_ok()
     }
 
     /// Reads one message. `emit` gets a sample, or why there is none, for each kind that the channel has.
@@ -138,8 +156,8 @@ impl ChannelSource {
         };
         if let Some(slots) = &self.attitude {
             let sample = decoded.and_then(|()| {
-                let (orientation, largest_angle) = slots.orientation.read(&self.slots)?;
-                self.largest_angle = self.largest_angle.max(largest_angle);
+                let (orientation, angles) = slots.orientation.read(&self.slots)?;
+                self.largest = self.largest.max(angles);
                 let counter = slots
                     .reset_counter
                     .and_then(|slot| self.slots[slot].number());
@@ -163,36 +181,31 @@ impl ChannelSource {
         }
     }
 
-    /// The largest Euler angle that was read, in the profile's unit; 0 where the log has quaternions.
-    pub fn largest_angle(&self) -> f64 {
-        self.largest_angle
+    pub fn largest_angles(&self) -> LargestAngles {
+        self.largest
     }
 }
 
 impl Decoder {
-    fn new(
-        log: &Log,
-        channel: &Channel,
-        paths: &[FieldPath],
-    ) -> Result<Result<Self, Unresolved>, Error> {
+    fn new(log: &Log, channel: &Channel, paths: &[FieldPath]) -> Result<Self, Unresolved> {
         let schema = log.contents.schema_of(channel);
         let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
         match (channel.message_encoding.as_str(), schema_encoding, schema) {
             ("protobuf", "protobuf", Some(schema)) => {
                 let decoder = protobuf::Decoder::new(&schema.name, schema.data(), paths);
-                Ok(decoder.map(Self::Protobuf))
+                decoder.map(Self::Protobuf)
             }
             ("json", "jsonschema" | "", schema) => {
                 let data = schema
                     .map(|schema| schema.data())
                     .filter(|data| !data.is_empty());
                 let example = || log.first_payload(channel.id);
-                Ok(json::Decoder::new(data, paths, example)?.map(Self::Json))
+                json::Decoder::new(data, paths, example).map(Self::Json)
             }
-            (message_encoding, schema_encoding, _) => Ok(Err(Unresolved::Encoding {
+            (message_encoding, schema_encoding, _) => Err(Unresolved::Encoding {
                 message_encoding: message_encoding.to_owned(),
                 schema_encoding: schema_encoding.to_owned(),
-            })),
+            }),
         }
     }
 
@@ -205,8 +218,11 @@ impl Decoder {
 }
 
 impl OrientationSlots {
-    /// The attitude, and the largest Euler angle of which it was made.
-    fn read(&self, slots: &[FieldValue]) -> Result<(UnitQuaternion<f64>, f64), DropReason> {
+    /// The attitude, and the Euler angles of which it was made.
+    fn read(
+        &self,
+        slots: &[FieldValue],
+    ) -> Result<(UnitQuaternion<f64>, LargestAngles), DropReason> {
         match self {
             Self::Quaternion(slot) => {
                 let value = &slots[*slot];
@@ -221,7 +237,8 @@ impl OrientationSlots {
                 if !QUATERNION_LENGTHS.contains(&quaternion.norm()) {
                     return Err(DropReason::NotARotation);
                 }
-                Ok((UnitQuaternion::from_quaternion(quaternion), 0.0))
+                let orientation = UnitQuaternion::from_quaternion(quaternion);
+                Ok((orientation, LargestAngles::default()))
             }
             Self::Euler { rpy, unit } => {
                 let [roll, pitch, yaw] = finite(rpy, slots)?;
@@ -230,8 +247,11 @@ impl OrientationSlots {
                     pitch: unit.to_radians(pitch),
                     yaw: unit.to_radians(yaw),
                 };
-                let largest = roll.abs().max(pitch.abs()).max(yaw.abs());
-                Ok((rpy.to_quaternion(), largest))
+                let angles = LargestAngles {
+                    pitch: pitch.abs(),
+                    roll_or_yaw: roll.abs().max(yaw.abs()),
+                };
+                Ok((rpy.to_quaternion(), angles))
             }
         }
     }

@@ -9,6 +9,7 @@ use super::{
     Unresolved,
     field::{FieldPath, FieldTree, FieldValue, Node, Undecodable},
 };
+use crate::error::Error;
 
 /// Reads the wanted fields of one topic's messages.
 #[derive(Debug)]
@@ -21,41 +22,34 @@ impl Decoder {
     ///
     /// JSON needs no schema, and its schemas need not name every field: a field counts as there if the JSON
     /// Schema lists it, or if the topic's first message has it. `example` gives that message when asked.
-    pub fn new<E>(
+    pub fn new(
         schema: Option<&[u8]>,
         paths: &[FieldPath],
-        example: impl FnOnce() -> Result<Option<Vec<u8>>, E>,
-    ) -> Result<Result<Self, Unresolved>, E> {
-        let schema = match schema.map(serde_json::from_slice::<Value>).transpose() {
-            Ok(schema) => schema.unwrap_or_default(),
-            Err(error) => {
-                return Ok(Err(Unresolved::Schema {
-                    problem: format!("its JSON schema cannot be read: {error}"),
-                }));
-            }
+        example: impl FnOnce() -> Result<Option<Vec<u8>>, Error>,
+    ) -> Result<Self, Unresolved> {
+        let schema: Value = match schema {
+            None => Value::Null,
+            Some(schema) => serde_json::from_slice(schema).map_err(|error| Unresolved::Schema {
+                problem: format!("its JSON schema cannot be read: {error}"),
+            })?,
         };
-        let unlisted = paths.iter().find(|path| !schema_lists(&schema, path));
-        if let Some(path) = unlisted {
-            let unresolved = |value: &Value| Unresolved::NoSuchField {
-                path: path.clone(),
-                message: "message".to_owned(),
-                available: keys(value),
-            };
+        if let Some(path) = paths.iter().find(|path| !schema_lists(&schema, path)) {
+            let properties = &schema["properties"];
             // A schema that refers elsewhere may name more than is seen at a glance.
-            if schema.get("properties").is_some_and(is_self_contained) {
-                return Ok(Err(unresolved(&schema["properties"])));
+            if is_self_contained(properties) {
+                return Err(no_such_field(path, "its JSON schema", properties));
             }
             let example = example()?.unwrap_or_default();
             let example: Value = serde_json::from_slice(&example).unwrap_or_default();
-            if !paths.iter().all(|path| has_field(&example, path)) {
-                return Ok(Err(unresolved(&example)));
+            if let Some(path) = paths.iter().find(|path| !has_field(&example, path)) {
+                return Err(no_such_field(path, "its first message", &example));
             }
         }
         let mut fields = FieldTree::new();
         for (slot, path) in paths.iter().enumerate() {
             fields.insert(path.names(), slot);
         }
-        Ok(Ok(Self { fields }))
+        Ok(Self { fields })
     }
 
     /// Reads a message's wanted fields into their slots, which must be cleared.
@@ -91,9 +85,16 @@ fn has_field(example: &Value, path: &FieldPath) -> bool {
         .is_some()
 }
 
-fn keys(object: &Value) -> Vec<String> {
-    let object = object.as_object();
-    object.map_or_else(Vec::new, |object| object.keys().cloned().collect())
+fn no_such_field(path: &FieldPath, place: &str, object: &Value) -> Unresolved {
+    let keys = object
+        .as_object()
+        .into_iter()
+        .flat_map(|object| object.keys());
+    Unresolved::NoSuchField {
+        path: path.clone(),
+        place: place.to_owned(),
+        available: keys.cloned().collect(),
+    }
 }
 
 /// An object: what is wanted of it goes to the slots, the rest is skipped without being built.

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::field::FieldPath;
-use crate::error::Error;
+use crate::{error::Error, sample::Kind};
 
 /// Where a log of one kind has its telemetry, and in which convention.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -128,12 +128,12 @@ impl Profile {
             .is_some_and(|extension| extension == "toml")
             || path.components().count() > 1;
         if is_file {
-            let text = std::fs::read_to_string(path)
-                .map_err(|source| Error::io("cannot read the profile", path, source))?;
-            return toml::from_str(&text).map_err(|error| Error::BadProfile {
+            let bad = |problem: String| Error::BadProfile {
                 path: path.into(),
-                problem: error.to_string(),
-            });
+                problem,
+            };
+            let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
+            return toml::from_str(&text).map_err(|error| bad(error.to_string().trim().to_owned()));
         }
         let mut built_in = Self::built_in();
         match built_in
@@ -148,31 +148,36 @@ impl Profile {
         }
     }
 
-    /// The fields that a message with the attitude must have, and the optional ones behind them.
-    pub fn attitude_fields(&self) -> (Vec<FieldPath>, Vec<FieldPath>) {
-        let mut required = match &self.attitude.orientation {
+    /// The fields that a message must have for these kinds of sample.
+    pub fn required_fields(&self, kinds: &[Kind]) -> Vec<FieldPath> {
+        let mut fields = Vec::new();
+        if kinds.contains(&Kind::Attitude) {
+            fields.extend(self.attitude.required_fields());
+        }
+        if let Some(velocity) = &self.velocity
+            && kinds.contains(&Kind::Velocity)
+        {
+            fields.extend(velocity.ned.iter().chain(&velocity.valid).cloned());
+        }
+        fields
+    }
+}
+
+impl AttitudeRole {
+    /// The fields that a message with the attitude must have.
+    pub fn required_fields(&self) -> Vec<FieldPath> {
+        let mut fields = match &self.orientation {
             Orientation::Quaternion(quaternion) => vec![quaternion.clone()],
             Orientation::Euler {
                 roll, pitch, yaw, ..
             } => vec![roll.clone(), pitch.clone(), yaw.clone()],
         };
-        let mut optional = Vec::new();
-        if let Some(counter) = &self.attitude.reset_counter {
-            let fields = if counter.optional {
-                &mut optional
-            } else {
-                &mut required
-            };
-            fields.push(counter.field.clone());
-        }
-        (required, optional)
-    }
-}
-
-impl VelocityRole {
-    /// The fields that a message with the velocity must have.
-    pub fn fields(&self) -> Vec<FieldPath> {
-        self.ned.iter().chain(&self.valid).cloned().collect()
+        let counter = self
+            .reset_counter
+            .as_ref()
+            .filter(|counter| !counter.optional);
+        fields.extend(counter.map(|counter| counter.field.clone()));
+        fields
     }
 }
 

@@ -102,7 +102,7 @@ fn resolve(
             .get_field_by_name(name)
             .ok_or_else(|| Unresolved::NoSuchField {
                 path: path.clone(),
-                message: parent.full_name().to_owned(),
+                place: parent.full_name().to_owned(),
                 available: parent.fields().map(|f| f.name().to_owned()).collect(),
             })?;
         within = match field.kind() {

@@ -25,6 +25,10 @@ impl Destination {
     /// Something is there already and may not be overwritten, it is the input itself, or its folder does not
     /// exist.
     pub fn new(input: &Path, path: &Path, overwrite: bool) -> Result<Self, Error> {
+        let names_a_folder = path.as_os_str().as_encoded_bytes().ends_with(b"/");
+        if path.is_dir() || names_a_folder {
+            return Err(Error::OutputIsFolder { path: path.into() });
+        }
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
@@ -41,7 +45,7 @@ impl Destination {
         {
             return Err(Error::OutputIsInput { path: path.into() });
         }
-        if path.is_dir() || (fs::symlink_metadata(path).is_ok() && !overwrite) {
+        if fs::symlink_metadata(path).is_ok() && !overwrite {
             return Err(Error::OutputExists { path: path.into() });
         }
         Ok(Self {
@@ -69,7 +73,12 @@ impl Destination {
                 file.as_file().set_permissions(permissions)?;
                 Ok(file)
             })
-            .map_err(|source| self.error("cannot create the output in its folder", source))?;
+            .map_err(|source| {
+                self.error(
+                    "cannot create a file in the output's folder (choose another with -o)",
+                    source,
+                )
+            })?;
         Ok(Pending {
             file,
             destination: self.clone(),

@@ -62,7 +62,9 @@ pub fn check_topics_are_free(log: &Log) -> Result<(), Error> {
                 schema: log
                     .contents
                     .schema_of(channel)
-                    .map_or_else(String::new, |schema| schema.name.clone()),
+                    .map_or("no schema".to_owned(), |schema| {
+                        format!("schema `{}`", schema.name)
+                    }),
             },
         });
     }

@@ -1,0 +1,231 @@
+//! Finding the telemetry of a log: which profile, and which of the log's channels.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use mcap::records::Channel;
+
+use super::{
+    FieldPath, Source, Unresolved,
+    channel::ChannelSource,
+    profile::{Profile, ProfileChoice},
+};
+use crate::{error::Error, log::Log, sample::Kind};
+
+/// How many topics a message lists at most.
+const LISTED: usize = 60;
+
+/// Why a profile does not fit a log.
+enum Misfit {
+    /// In words.
+    Lacking(String),
+    /// More than one topic would do.
+    Several(Vec<String>),
+    /// The log could not be read.
+    Unreadable(Error),
+}
+
+impl From<Error> for Misfit {
+    fn from(error: Error) -> Self {
+        Self::Unreadable(error)
+    }
+}
+
+/// A topic and how to read each of its channels.
+struct Bound {
+    topic: String,
+    channels: BTreeMap<u16, ChannelSource>,
+}
+
+impl Source {
+    /// Finds the telemetry of a log.
+    ///
+    /// # Errors
+    /// The profile does not fit the log, or none does; the message says what was looked for.
+    pub fn select(log: &Log, choice: &ProfileChoice) -> Result<Self, Error> {
+        let path = || log.file.path().to_owned();
+        let (profiles, given) = match choice {
+            ProfileChoice::Given(profile) => (vec![*profile.clone()], true),
+            ProfileChoice::Automatic => (Profile::built_in(), false),
+        };
+        let mut misfits = Vec::new();
+        for profile in profiles {
+            if !given && !profile.automatic {
+                continue;
+            }
+            let name = profile.name.clone();
+            match fit(log, profile) {
+                Ok(source) => return Ok(source),
+                Err(Misfit::Lacking(problem)) => misfits.push((name, problem)),
+                Err(Misfit::Several(topics)) => {
+                    return Err(Error::SeveralTopicsFit {
+                        path: path(),
+                        topics,
+                    });
+                }
+                Err(Misfit::Unreadable(error)) => return Err(error),
+            }
+        }
+        let topics = describe_topics(log);
+        Err(match misfits.pop() {
+            Some((profile, problem)) if given => Error::ProfileDoesNotFit {
+                path: path(),
+                profile,
+                problem: format!("{problem}\n{topics}"),
+            },
+            last => Error::NoTelemetry {
+                path: path(),
+                looked_for: (misfits.into_iter().chain(last))
+                    .map(|(profile, problem)| format!("\n  {profile}: {problem}"))
+                    .collect(),
+                topics,
+            },
+        })
+    }
+}
+
+fn fit(log: &Log, profile: Profile) -> Result<Source, Misfit> {
+    let attitude_kinds: &[Kind] = match &profile.velocity {
+        Some(velocity) if velocity.topics.is_empty() => &[Kind::Attitude, Kind::Velocity],
+        _ => &[Kind::Attitude],
+    };
+    let attitude = match profile.attitude.topics.as_slice() {
+        [] => find_by_fields(log, &profile, attitude_kinds)?,
+        topics => {
+            let topic = find_by_name(log, topics).ok_or_else(|| {
+                Misfit::Lacking(format!("there is no message on {}", topics.join(" or ")))
+            })?;
+            bind(log, &profile, topic, attitude_kinds)?
+        }
+    };
+    let mut channels = attitude.channels;
+    let velocity_topic = match &profile.velocity {
+        None => Err(format!("the profile `{}` has no velocity", profile.name)),
+        Some(role) if role.topics.is_empty() => Ok(attitude.topic.clone()),
+        Some(role) => match find_by_name(log, &role.topics) {
+            Some(topic) => {
+                let velocity = bind(log, &profile, topic, &[Kind::Velocity])?;
+                channels.extend(velocity.channels);
+                Ok(velocity.topic)
+            }
+            None => Err(format!(
+                "there is no message on {}",
+                role.topics.join(" or ")
+            )),
+        },
+    };
+    Ok(Source {
+        attitude_topic: attitude.topic,
+        velocity_topic,
+        channels,
+        profile,
+    })
+}
+
+/// The first of the topics that has messages.
+fn find_by_name<'a>(log: &Log, topics: &'a [String]) -> Option<&'a str> {
+    let has_messages =
+        |topic: &&String| channels_with_messages(log).any(|channel| channel.topic == **topic);
+    topics.iter().find(has_messages).map(String::as_str)
+}
+
+/// The one topic whose messages have all of the fields.
+fn find_by_fields(log: &Log, profile: &Profile, kinds: &[Kind]) -> Result<Bound, Misfit> {
+    let topics: BTreeSet<&str> = channels_with_messages(log)
+        .map(|channel| channel.topic.as_str())
+        .collect();
+    let mut fitting: Vec<Bound> = Vec::new();
+    for topic in topics {
+        match bind(log, profile, topic, kinds) {
+            Ok(bound) => fitting.push(bound),
+            Err(Misfit::Unreadable(error)) => return Err(error.into()),
+            Err(_) => {}
+        }
+    }
+    match fitting.pop() {
+        Some(bound) if fitting.is_empty() => Ok(bound),
+        Some(last) => {
+            let topics = fitting.into_iter().chain([last]).map(|bound| bound.topic);
+            Err(Misfit::Several(topics.collect()))
+        }
+        None => {
+            let fields = profile.required_fields(kinds);
+            Err(Misfit::Lacking(format!(
+                "no topic has messages with the fields {}{}",
+                list(&fields),
+                nearest(log, &fields)
+            )))
+        }
+    }
+}
+
+/// The topic that has most of the fields, in words; nothing if none has any.
+fn nearest(log: &Log, fields: &[FieldPath]) -> String {
+    let lacking = |channel: &Channel| -> Vec<FieldPath> {
+        let lacks = |field: &&FieldPath| !ChannelSource::has_field(log, channel, field);
+        fields.iter().filter(lacks).cloned().collect()
+    };
+    channels_with_messages(log)
+        .map(|channel| (channel, lacking(channel)))
+        .min_by_key(|(_, lacking)| lacking.len())
+        .filter(|(_, lacking)| lacking.len() < fields.len())
+        .map_or_else(String::new, |(channel, lacking)| {
+            format!(
+                "; {} comes closest and lacks {}",
+                channel.topic,
+                list(&lacking)
+            )
+        })
+}
+
+/// Resolves the profile's fields against every channel of a topic.
+fn bind(log: &Log, profile: &Profile, topic: &str, kinds: &[Kind]) -> Result<Bound, Misfit> {
+    let mut channels = BTreeMap::new();
+    for channel in channels_with_messages(log).filter(|channel| channel.topic == topic) {
+        let source = ChannelSource::new(log, channel, profile, kinds);
+        let source = source.map_err(|unresolved| match unresolved {
+            Unresolved::Unreadable(error) => Misfit::Unreadable(error),
+            other => Misfit::Lacking(format!("{topic}: {other}")),
+        })?;
+        channels.insert(channel.id, source);
+    }
+    Ok(Bound {
+        topic: topic.to_owned(),
+        channels,
+    })
+}
+
+fn channels_with_messages(log: &Log) -> impl Iterator<Item = &Channel> {
+    let counts = &log.contents.statistics.channel_message_counts;
+    let channels = log.contents.channels.values();
+    channels
+        .map(|channel| &channel.record)
+        .filter(|channel| counts.get(&channel.id).is_some_and(|&count| count > 0))
+}
+
+fn describe_topics(log: &Log) -> String {
+    let described: BTreeSet<String> = channels_with_messages(log)
+        .map(|channel| {
+            let schema = log.contents.schema_of(channel);
+            let schema = schema.map_or("no schema", |schema| schema.name.as_str());
+            format!(
+                "\n  {} ({}, {schema})",
+                channel.topic, channel.message_encoding
+            )
+        })
+        .collect();
+    if described.is_empty() {
+        return "the log has no messages".to_owned();
+    }
+    let more = described.len().saturating_sub(LISTED);
+    let mut text = String::from("topics of the log:");
+    text.extend(described.into_iter().take(LISTED));
+    if more > 0 {
+        text.push_str(&format!("\n  and {more} more"));
+    }
+    text
+}
+
+fn list(fields: &[FieldPath]) -> String {
+    let names: Vec<String> = fields.iter().map(FieldPath::to_string).collect();
+    names.join(", ")
+}
