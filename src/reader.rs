@@ -5,10 +5,7 @@
 //! held. Where they overlap, which logs that were written topic after topic do completely, samples are held
 //! (about a hundred bytes each), never segments.
 
-use std::{
-    cmp::{Ordering, Reverse},
-    collections::BinaryHeap,
-};
+use std::{cmp::Reverse, collections::VecDeque};
 
 use crate::{
     error::Error,
@@ -25,7 +22,10 @@ pub struct Reader<'a> {
     log: &'a Log,
     /// The segments that have telemetry, the one that starts last first.
     unread: Vec<(u64, &'a Segment)>,
-    held: BinaryHeap<Reverse<Held>>,
+    /// Samples that were read but not handed on, sorted.
+    held: VecDeque<Held>,
+    /// Samples that were read since `held` was sorted; none between two calls of `next`.
+    fresh: Vec<Held>,
     dropped: Dropped,
     bytes_read: u64,
 }
@@ -45,29 +45,12 @@ struct Held {
 }
 
 impl Held {
+    fn time(&self) -> u64 {
+        self.sample.stamp().log_time
+    }
+
     fn key(&self) -> (u64, Kind, u64, usize) {
-        let time = self.sample.stamp().log_time;
-        (time, self.sample.kind(), self.segment, self.position)
-    }
-}
-
-impl PartialEq for Held {
-    fn eq(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-}
-
-impl Eq for Held {}
-
-impl PartialOrd for Held {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Held {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.key().cmp(&other.key())
+        (self.time(), self.sample.kind(), self.segment, self.position)
     }
 }
 
@@ -89,7 +72,8 @@ impl<'a> Reader<'a> {
             messages: SegmentReader::new(log),
             log,
             unread,
-            held: BinaryHeap::new(),
+            held: VecDeque::new(),
+            fresh: Vec::new(),
             dropped: Dropped::default(),
             bytes_read: 0,
         }
@@ -124,11 +108,11 @@ impl<'a> Reader<'a> {
                 ));
             }
             self.source.read(&message, |kind, sample| match sample {
-                Ok(sample) => self.held.push(Reverse(Held {
+                Ok(sample) => self.fresh.push(Held {
                     sample,
                     segment: segment.offset,
                     position,
-                })),
+                }),
                 Err(reason) => {
                     let tally = match kind {
                         Kind::Attitude => &mut self.dropped.attitude,
@@ -147,23 +131,27 @@ impl Iterator for Reader<'_> {
     type Item = Result<Sample, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let next_start = self.unread.last().map(|&(start, _)| start);
-            let earliest = self.held.peek().map(|held| held.0.sample.stamp().log_time);
-            match (earliest, next_start) {
-                // At equal times the unread segment may lie earlier in the file.
-                (Some(time), Some(start)) if time < start => break,
-                (_, Some(_)) => {}
-                (Some(_), None) => break,
-                (None, None) => return None,
-            }
-            let (start, segment) = self.unread.pop()?;
+        let mut earliest = self.held.front().map(Held::time);
+        // At equal times the unread segment may lie earlier in the file.
+        while let Some(&(start, segment)) = self.unread.last()
+            && earliest.is_none_or(|time| time >= start)
+        {
+            self.unread.pop();
+            let before = self.fresh.len();
             if let Err(error) = self.read_segment(start, segment) {
                 self.unread.clear();
                 self.held.clear();
+                self.fresh.clear();
                 return Some(Err(error));
             }
+            let fresh = self.fresh[before..].iter().map(Held::time);
+            earliest = fresh.chain(earliest).min();
         }
-        self.held.pop().map(|held| Ok(held.0.sample))
+        if !self.fresh.is_empty() {
+            self.held.extend(self.fresh.drain(..));
+            // What is held is in order already, and so, mostly, is a segment: little is left to do.
+            self.held.make_contiguous().sort_by_key(Held::key);
+        }
+        self.held.pop_front().map(|held| Ok(held.sample))
     }
 }
