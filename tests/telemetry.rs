@@ -181,6 +181,18 @@ fn of_samples_at_the_same_time_the_first_in_the_file_counts() {
 }
 
 #[test]
+fn of_samples_at_the_same_time_the_first_in_the_file_counts_though_its_chunk_starts_later() {
+    let mut log = Logbook::new();
+    let channel = log.json("/state");
+    log.put_flat(channel, 20, "0.1", "1");
+    log.writer.flush().expect("the chunk ends");
+    log.put_flat(channel, 0, "0", "1");
+    log.put_flat(channel, 20, "0.9", "1");
+    let (derived, _) = log.enrich(None).expect("a result");
+    assert_eq!(yaws(&derived), [(20, 0.1)]);
+}
+
+#[test]
 fn derived_messages_have_the_times_of_their_samples() {
     let mut log = Logbook::new();
     let channel = log.json("/state");
