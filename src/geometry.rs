@@ -76,21 +76,24 @@ impl RollPitchYaw {
     /// The triple of a rotation, `R = Rz(yaw) Ry(pitch) Rx(roll)`.
     ///
     /// The arc sines of the textbook (`pitch = asin(−R31)`, …) stop at ±90°; these `atan2` forms agree with
-    /// them there and hold up to ±180°. At gimbal lock roll is set to 0 and yaw takes the whole turn.
+    /// them there and hold up to ±180°. Yaw is what is left of the turn once pitch and this very roll are
+    /// undone, so that the triple rebuilds the rotation also where roll and yaw are nearly the same turn and
+    /// each is ill-defined by itself. At gimbal lock roll is set to 0 and yaw takes the whole turn.
     pub fn from_rotation(r: &Rotation3<f64>) -> Self {
         let cos_pitch = r[(2, 1)].hypot(r[(2, 2)]);
-        let pitch = (-r[(2, 0)]).atan2(cos_pitch);
-        if cos_pitch < GIMBAL_LOCK {
-            return Self {
-                roll: 0.0,
-                pitch,
-                yaw: (-r[(0, 1)]).atan2(r[(1, 1)]),
-            };
-        }
+        let roll = if cos_pitch < GIMBAL_LOCK {
+            0.0
+        } else {
+            r[(2, 1)].atan2(r[(2, 2)])
+        };
+        // The second column of R Rx(−roll), which is Rz(yaw)'s: (−sin yaw, cos yaw, 0).
+        let (sin_roll, cos_roll) = roll.sin_cos();
+        let minus_sin_yaw = cos_roll * r[(0, 1)] - sin_roll * r[(0, 2)];
+        let cos_yaw = cos_roll * r[(1, 1)] - sin_roll * r[(1, 2)];
         Self {
-            roll: r[(2, 1)].atan2(r[(2, 2)]),
-            pitch,
-            yaw: r[(1, 0)].atan2(r[(0, 0)]),
+            roll,
+            pitch: (-r[(2, 0)]).atan2(cos_pitch),
+            yaw: (-minus_sin_yaw).atan2(cos_yaw),
         }
     }
 

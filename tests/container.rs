@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use flightcam::{
-    Error,
+    Error, enrich,
     log::record::{parse, push_record, serialize},
 };
 use mcap::{
@@ -29,6 +29,25 @@ fn the_demonstration_log_keeps_all_that_it_had() {
         "the fixture exercises resuming the checksum"
     );
     assert_ne!(Parts::of(&result).data_section_crc, 0);
+}
+
+#[test]
+fn an_output_that_somebody_else_makes_meanwhile_is_not_overwritten() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().join("result.mcap");
+    let fixture = repository("fixtures/survey_flight.mcap");
+    let error = enrich(&fixture, &output, &options(), &mut |_| {
+        std::fs::write(&output, "theirs").expect("written");
+    });
+    assert!(
+        matches!(error, Err(Error::OutputExists { .. })),
+        "{error:?}"
+    );
+    assert_eq!(std::fs::read(&output).expect("their file"), b"theirs");
+    let files = std::fs::read_dir(folder.path())
+        .expect("the folder")
+        .count();
+    assert_eq!(files, 1, "no temporary file is left");
 }
 
 #[test]
