@@ -38,8 +38,9 @@ pub fn enrich(
     options: &Options,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Report, Error> {
-    let log = Log::open(input)?;
+    // Asked first, because opening a log that has no summary reads all of it.
     let destination = Destination::new(input, output, options.overwrite)?;
+    let log = Log::open(input)?;
     provenance::check_topics_are_free(&log)?;
     let source = Source::select(&log, &options.profile)?;
 

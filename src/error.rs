@@ -5,8 +5,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::derived::Quantity;
-
 /// Why a log could not be enriched. Every message names the file, the cause, and the way out.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -77,32 +75,34 @@ pub enum Error {
     BadProfile { path: PathBuf, problem: String },
 
     #[error(
-        "{}: nothing can be derived from its telemetry\n{details}", path.display()
+        "{}: nothing can be derived from its telemetry\n{details}\n\
+         check which topics and fields the profile names (--profile), and --max-gap", path.display()
     )]
     NothingDerived { path: PathBuf, details: String },
 
     #[error(
-        "{}: has {} from an earlier run of flightcam ({made_by}); \
-         enrich the original log instead", path.display(), quantity.topic()
+        "{}: has {topic} from an earlier run of flightcam ({made_by}); \
+         enrich the original log instead", path.display()
     )]
     AlreadyEnriched {
         path: PathBuf,
-        quantity: Quantity,
+        topic: &'static str,
         made_by: String,
     },
 
     #[error(
-        "{}: already has a topic {}, which flightcam did not write ({schema}); \
+        "{}: already has a topic {topic}, which flightcam did not write ({schema}); \
          rename or remove that topic first, it would not be told apart from flightcam's",
-        path.display(), quantity.topic()
+        path.display()
     )]
     TopicTaken {
         path: PathBuf,
-        quantity: Quantity,
+        topic: &'static str,
         schema: String,
     },
 
-    #[error("{}: all {what} ids of the log are in use, so no topic can be added", path.display())]
+    #[error("{}: all {what} ids of the log are in use, so no topic can be added; \
+             remove a topic that is not needed, for instance with `mcap filter` (https://mcap.dev)", path.display())]
     NoFreeId { path: PathBuf, what: &'static str },
 
     #[error(

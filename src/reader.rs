@@ -5,12 +5,16 @@
 //! held. Where they overlap, which logs that were written topic after topic do completely, samples are held
 //! (about a hundred bytes each), never segments.
 
-use std::{cmp::Reverse, collections::VecDeque};
+use std::{
+    cmp::Reverse,
+    collections::{BinaryHeap, HashMap},
+    vec,
+};
 
 use crate::{
     error::Error,
     log::{Log, SegmentReader, contents::Segment},
-    sample::{Kind, Sample, Tally},
+    sample::{Kind, Sample, Tallies},
     source::Source,
 };
 
@@ -22,35 +26,38 @@ pub struct Reader<'a> {
     log: &'a Log,
     /// The segments that have telemetry, the one that starts last first.
     unread: Vec<(u64, &'a Segment)>,
-    /// Samples that were read but not handed on, sorted.
-    held: VecDeque<Held>,
-    /// Samples that were read since `held` was sorted; none between two calls of `next`.
-    fresh: Vec<Held>,
-    dropped: Dropped,
+    /// The samples of the segments that were read, sorted, by the segments' offsets.
+    runs: HashMap<u64, vec::IntoIter<Held>>,
+    /// The place in the order of the first sample of each run.
+    heads: BinaryHeap<Reverse<Place>>,
+    dropped: Tallies,
     bytes_read: u64,
 }
 
-/// The messages that gave no sample.
-#[derive(Debug, Clone, Default)]
-pub struct Dropped {
-    pub attitude: Tally,
-    pub velocity: Tally,
-}
-
-/// A sample that waits for its turn, and its place in the file.
+/// A sample that waits for its turn, and its message's number in the segment.
 struct Held {
     sample: Sample,
+    number: usize,
+}
+
+/// Where a sample stands in the order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    time: u64,
+    kind: Kind,
+    /// Offset of the segment in the file.
     segment: u64,
-    position: usize,
+    number: usize,
 }
 
 impl Held {
-    fn time(&self) -> u64 {
-        self.sample.stamp().log_time
-    }
-
-    fn key(&self) -> (u64, Kind, u64, usize) {
-        (self.time(), self.sample.kind(), self.segment, self.position)
+    fn place(&self, segment: u64) -> Place {
+        Place {
+            time: self.sample.stamp().log_time,
+            kind: self.sample.kind(),
+            segment,
+            number: self.number,
+        }
     }
 }
 
@@ -72,9 +79,9 @@ impl<'a> Reader<'a> {
             messages: SegmentReader::new(log),
             log,
             unread,
-            held: VecDeque::new(),
-            fresh: Vec::new(),
-            dropped: Dropped::default(),
+            runs: HashMap::new(),
+            heads: BinaryHeap::new(),
+            dropped: Tallies::default(),
             bytes_read: 0,
         }
     }
@@ -91,13 +98,14 @@ impl<'a> Reader<'a> {
     }
 
     /// The source, and what was dropped, after the last sample.
-    pub fn finish(self) -> (Source, Dropped) {
+    pub fn finish(self) -> (Source, Tallies) {
         (self.source, self.dropped)
     }
 
     fn read_segment(&mut self, start: u64, segment: &Segment) -> Result<(), Error> {
-        for (position, message) in self.messages.read(segment)?.enumerate() {
-            let message = message?;
+        let mut run = Vec::new();
+        for (number, message) in self.messages.read(segment)?.enumerate() {
+            let (_, message) = message?;
             if message.log_time < start {
                 return Err(self.log.file.corrupt(
                     segment.offset,
@@ -108,22 +116,29 @@ impl<'a> Reader<'a> {
                 ));
             }
             self.source.read(&message, |kind, sample| match sample {
-                Ok(sample) => self.fresh.push(Held {
-                    sample,
-                    segment: segment.offset,
-                    position,
-                }),
-                Err(reason) => {
-                    let tally = match kind {
-                        Kind::Attitude => &mut self.dropped.attitude,
-                        Kind::Velocity => &mut self.dropped.velocity,
-                    };
-                    tally.count_dropped(reason, 1);
-                }
+                Ok(sample) => run.push(Held { sample, number }),
+                Err(reason) => self.dropped[kind].count_dropped(reason, 1),
             });
         }
         self.bytes_read += segment.length;
+        run.sort_by_key(|held| held.place(segment.offset));
+        if let Some(first) = run.first() {
+            self.heads.push(Reverse(first.place(segment.offset)));
+            self.runs.insert(segment.offset, run.into_iter());
+        }
         Ok(())
+    }
+
+    /// Takes the sample that is first in the order of those that were read.
+    fn pop(&mut self) -> Option<Sample> {
+        let Reverse(first) = self.heads.pop()?;
+        let run = self.runs.get_mut(&first.segment)?;
+        let held = run.next()?;
+        match run.as_slice().first() {
+            Some(next) => self.heads.push(Reverse(next.place(first.segment))),
+            None => drop(self.runs.remove(&first.segment)),
+        }
+        Some(held.sample)
     }
 }
 
@@ -131,27 +146,17 @@ impl Iterator for Reader<'_> {
     type Item = Result<Sample, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let mut earliest = self.held.front().map(Held::time);
         // At equal times the unread segment may lie earlier in the file.
         while let Some(&(start, segment)) = self.unread.last()
-            && earliest.is_none_or(|time| time >= start)
+            && (self.heads.peek()).is_none_or(|Reverse(first)| first.time >= start)
         {
             self.unread.pop();
-            let before = self.fresh.len();
             if let Err(error) = self.read_segment(start, segment) {
                 self.unread.clear();
-                self.held.clear();
-                self.fresh.clear();
+                self.heads.clear();
                 return Some(Err(error));
             }
-            let fresh = self.fresh[before..].iter().map(Held::time);
-            earliest = fresh.chain(earliest).min();
         }
-        if !self.fresh.is_empty() {
-            self.held.extend(self.fresh.drain(..));
-            // What is held is in order already, and so, mostly, is a segment: little is left to do.
-            self.held.make_contiguous().sort_by_key(Held::key);
-        }
-        self.held.pop_front().map(|held| Ok(held.sample))
+        self.pop().map(Ok)
     }
 }

@@ -12,8 +12,7 @@ use crate::{
     log::{Log, ScanReason},
     messages,
     options::Options,
-    reader::Dropped,
-    sample::{DropReason, Tally},
+    sample::{DropReason, Tallies, Tally},
     source::{Source, profile::ProfileChoice},
     transform::{Breaks, Outcome},
     writer::Appended,
@@ -90,26 +89,22 @@ impl<'a> Findings<'a> {
         log: &'a Log,
         options: &'a Options,
         source: Source,
-        dropped: &Dropped,
+        dropped: &Tallies,
         outcome: Outcome,
     ) -> Self {
-        let samples = |topic, mut tally: Tally, dropped| {
-            tally.merge(dropped);
-            SampleReport { topic, tally }
-        };
+        let mut tallies = outcome.tallies;
+        tallies.merge(dropped);
         Self {
             log,
             options,
-            attitude: samples(
-                Some(source.attitude_topic.clone()),
-                outcome.attitude,
-                &dropped.attitude,
-            ),
-            velocity: samples(
-                source.velocity_topic.clone().ok(),
-                outcome.velocity,
-                &dropped.velocity,
-            ),
+            attitude: SampleReport {
+                topic: Some(source.attitude_topic.clone()),
+                tally: tallies.attitude,
+            },
+            velocity: SampleReport {
+                topic: source.velocity_topic.clone().ok(),
+                tally: tallies.velocity,
+            },
             breaks: outcome.breaks,
             source,
         }
@@ -125,7 +120,7 @@ impl<'a> Findings<'a> {
                 describe(attitude)
             ),
             (Quantity::RelativeRpy, _) => format!(
-                "no two attitude samples belong together ({} gaps, {} resets)",
+                "no two attitude samples belong together (gaps between them: {}, resets: {})",
                 self.breaks.gaps, self.breaks.resets
             ),
             (Quantity::CameraVelocity, Ok(topic)) => {
@@ -233,7 +228,7 @@ impl<'a> Findings<'a> {
                 ))
             }
             (None, Some(ScanReason::NotClosed)) => Some(
-                "the log's summary breaks off, its data is whole; the result has a whole summary"
+                "the log does not end as a closed log does, but its data is whole; the result is closed"
                     .to_owned(),
             ),
             (None, Some(ScanReason::NoSummary)) => {

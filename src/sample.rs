@@ -1,6 +1,9 @@
 //! What flows from the reader to the transform: what a log says of the drone, one moment at a time.
 
-use std::collections::BTreeMap;
+use std::{
+    collections::BTreeMap,
+    ops::{Index, IndexMut},
+};
 
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Serialize, Serializer};
@@ -148,12 +151,43 @@ impl Tally {
     pub fn total(&self) -> u64 {
         self.used + self.dropped.values().sum::<u64>()
     }
+}
 
+/// A tally for each kind of sample.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Tallies {
+    pub attitude: Tally,
+    pub velocity: Tally,
+}
+
+impl Tallies {
     /// Adds the counts of another stage.
-    pub fn merge(&mut self, other: &Tally) {
-        self.used += other.used;
-        for (reason, count) in &other.dropped {
-            self.count_dropped(*reason, *count);
+    pub fn merge(&mut self, other: &Tallies) {
+        for kind in [Kind::Attitude, Kind::Velocity] {
+            self[kind].used += other[kind].used;
+            for (&reason, &count) in &other[kind].dropped {
+                self[kind].count_dropped(reason, count);
+            }
+        }
+    }
+}
+
+impl Index<Kind> for Tallies {
+    type Output = Tally;
+
+    fn index(&self, kind: Kind) -> &Tally {
+        match kind {
+            Kind::Attitude => &self.attitude,
+            Kind::Velocity => &self.velocity,
+        }
+    }
+}
+
+impl IndexMut<Kind> for Tallies {
+    fn index_mut(&mut self, kind: Kind) -> &mut Tally {
+        match kind {
+            Kind::Attitude => &mut self.attitude,
+            Kind::Velocity => &mut self.velocity,
         }
     }
 }

@@ -4,15 +4,13 @@
 //! come out in time order, at equal times the relative rotation before the velocity. What is held back is
 //! bounded by [`MaxGap`]: the velocities since the last attitude.
 
-use std::collections::VecDeque;
-
 use nalgebra::Rotation3;
 use serde::Serialize;
 
 use crate::{
     derived::{Derived, Value},
     geometry::{DepressionAngle, camera_orientation, relative_rpy, slerp, velocity_in_camera},
-    sample::{AttitudeSample, DropReason, Sample, Tally, VelocitySample},
+    sample::{AttitudeSample, DropReason, Sample, Tallies, VelocitySample},
 };
 
 /// The longest time between two attitude samples that still belong together. Across a longer one there is
@@ -60,10 +58,9 @@ impl Default for MaxGap {
 }
 
 /// What the transform made of the samples that it was given.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Outcome {
-    pub attitude: Tally,
-    pub velocity: Tally,
+    pub tallies: Tallies,
     pub breaks: Breaks,
 }
 
@@ -92,7 +89,7 @@ pub struct Transform {
     camera: Option<(AttitudeSample, Rotation3<f64>)>,
     last_velocity_time: Option<u64>,
     /// Velocities since the last attitude, waiting for the next one.
-    waiting: VecDeque<VelocitySample>,
+    waiting: Vec<VelocitySample>,
     /// Velocities that lie further behind the last attitude than any interpolation reaches.
     out_of_reach: u64,
     outcome: Outcome,
@@ -106,7 +103,7 @@ impl Transform {
             attitude: None,
             camera: None,
             last_velocity_time: None,
-            waiting: VecDeque::new(),
+            waiting: Vec::new(),
             out_of_reach: 0,
             outcome: Outcome::default(),
         }
@@ -123,9 +120,7 @@ impl Transform {
     /// Ends the run: what still waits for an attitude will not get one.
     pub fn finish(mut self) -> Outcome {
         let unreached = self.waiting.len() as u64 + self.out_of_reach;
-        self.outcome
-            .velocity
-            .count_dropped(DropReason::OutsideAttitude, unreached);
+        self.drop_velocities(DropReason::OutsideAttitude, unreached);
         self.outcome
     }
 
@@ -134,6 +129,7 @@ impl Transform {
         if let Some(previous) = self.attitude {
             if previous.stamp.log_time == time {
                 self.outcome
+                    .tallies
                     .attitude
                     .count_dropped(DropReason::DuplicateTime, 1);
                 return;
@@ -145,11 +141,12 @@ impl Transform {
 
         let Some(camera) = camera_orientation(&sample.orientation, self.depression) else {
             self.outcome
+                .tallies
                 .attitude
                 .count_dropped(DropReason::UndefinedHeading, 1);
             return;
         };
-        self.outcome.attitude.used += 1;
+        self.outcome.tallies.attitude.used += 1;
         if let Some((previous, previous_camera)) = self.camera.replace((sample, camera)) {
             match self.break_between(&previous, &sample) {
                 Some(Break::Gap) => self.outcome.breaks.gaps += 1,
@@ -168,16 +165,11 @@ impl Transform {
     fn push_velocity(&mut self, sample: VelocitySample, out: &mut Vec<Derived>) {
         let time = sample.stamp.log_time;
         if self.last_velocity_time.replace(time) == Some(time) {
-            return self
-                .outcome
-                .velocity
-                .count_dropped(DropReason::DuplicateTime, 1);
+            self.drop_velocities(DropReason::DuplicateTime, 1);
+            return;
         }
         match self.attitude {
-            None => self
-                .outcome
-                .velocity
-                .count_dropped(DropReason::OutsideAttitude, 1),
+            None => self.drop_velocities(DropReason::OutsideAttitude, 1),
             Some(attitude) if attitude.stamp.log_time == time => {
                 let camera = camera_orientation(&attitude.orientation, self.depression);
                 self.derive_velocity(&sample, camera, out);
@@ -185,7 +177,7 @@ impl Transform {
             Some(attitude) if time - attitude.stamp.log_time > self.max_gap.nanoseconds => {
                 self.out_of_reach += 1;
             }
-            Some(_) => self.waiting.push_back(sample),
+            Some(_) => self.waiting.push(sample),
         }
     }
 
@@ -197,23 +189,21 @@ impl Transform {
         out: &mut Vec<Derived>,
     ) {
         let out_of_reach = std::mem::take(&mut self.out_of_reach);
-        self.outcome
-            .velocity
-            .count_dropped(DropReason::InAttitudeGap, out_of_reach);
+        self.drop_velocities(DropReason::InAttitudeGap, out_of_reach);
 
-        let unusable = match self.break_between(before, after) {
+        let waiting = std::mem::take(&mut self.waiting);
+        let reason = match self.break_between(before, after) {
             Some(Break::Gap) => Some(DropReason::InAttitudeGap),
             Some(Break::Reset) => Some(DropReason::AcrossAttitudeReset),
             None => None,
         };
-        if let Some(reason) = unusable {
-            let count = self.waiting.len() as u64;
-            self.waiting.clear();
-            return self.outcome.velocity.count_dropped(reason, count);
+        if let Some(reason) = reason {
+            self.drop_velocities(reason, waiting.len() as u64);
+            return;
         }
         let start = before.stamp.log_time;
         let span = (after.stamp.log_time - start) as f64;
-        while let Some(velocity) = self.waiting.pop_front() {
+        for velocity in waiting {
             let fraction = (velocity.stamp.log_time - start) as f64 / span;
             let orientation = slerp(&before.orientation, &after.orientation, fraction);
             let camera = camera_orientation(&orientation, self.depression);
@@ -228,16 +218,18 @@ impl Transform {
         out: &mut Vec<Derived>,
     ) {
         let Some(camera) = camera else {
-            return self
-                .outcome
-                .velocity
-                .count_dropped(DropReason::UndefinedHeading, 1);
+            self.drop_velocities(DropReason::UndefinedHeading, 1);
+            return;
         };
-        self.outcome.velocity.used += 1;
+        self.outcome.tallies.velocity.used += 1;
         out.push(Derived {
             stamp: sample.stamp,
             value: Value::CameraVelocity(velocity_in_camera(&camera, &sample.velocity_ned)),
         });
+    }
+
+    fn drop_velocities(&mut self, reason: DropReason, count: u64) {
+        self.outcome.tallies.velocity.count_dropped(reason, count);
     }
 
     fn break_between(&self, before: &AttitudeSample, after: &AttitudeSample) -> Option<Break> {

@@ -6,6 +6,7 @@
 use flightcam::derived::{Derived, Quantity, Value};
 use flightcam::geometry::{DepressionAngle, RollPitchYaw};
 use flightcam::sample::DropReason::{self, *};
+use flightcam::sample::Tallies;
 use flightcam::sample::{AttitudeSample, Kind, Sample, Stamp, Tally, VelocitySample};
 use flightcam::transform::{Breaks, MaxGap, MaxGapOutOfRange, Outcome, Transform};
 use nalgebra::Vector3;
@@ -147,7 +148,7 @@ mod the_relative_rotation {
     fn does_not_exist_for_the_first_attitude() {
         let run = run(&[yaw(1.0, 10.0)]);
         assert_eq!(run.turns(), []);
-        assert_eq!(run.outcome.attitude.used, 1);
+        assert_eq!(run.outcome.tallies.attitude.used, 1);
         assert_eq!(run.outcome.breaks, NO_BREAKS);
     }
 
@@ -182,7 +183,7 @@ mod the_relative_rotation {
     fn resumes_behind_a_gap() {
         let run = run(&[yaw(1.0, 0.0), yaw(9.0, 20.0), yaw(9.5, 50.0)]);
         assert_eq!(run.turns(), [(9.5, 0.5, 30.0)]);
-        assert_eq!(run.outcome.attitude.used, 3);
+        assert_eq!(run.outcome.tallies.attitude.used, 3);
     }
 
     #[test]
@@ -196,7 +197,7 @@ mod the_relative_rotation {
         ]);
         assert_eq!(run.turns(), [(2.0, 1.0, 10.0), (4.0, 1.0, 5.0)]);
         assert_eq!(run.outcome.breaks, Breaks { gaps: 0, resets: 2 });
-        assert_eq!(run.outcome.attitude.used, 5);
+        assert_eq!(run.outcome.tallies.attitude.used, 5);
     }
 
     #[test]
@@ -216,7 +217,10 @@ mod the_relative_rotation {
             yaw(4.0, 35.0),
         ]);
         assert_eq!(run.turns(), [(3.0, 2.0, 20.0), (4.0, 1.0, 5.0)]);
-        assert_eq!(dropped(&run.outcome.attitude), [(UndefinedHeading, 2)]);
+        assert_eq!(
+            dropped(&run.outcome.tallies.attitude),
+            [(UndefinedHeading, 2)]
+        );
         assert_eq!(run.outcome.breaks, NO_BREAKS);
     }
 
@@ -266,14 +270,20 @@ mod the_velocity {
     fn does_not_exist_where_the_interpolated_nose_is_vertical() {
         let run = run(&[pitched(1.0, 0.0), north(1.9), pitched(2.5, 150.0)]);
         assert_eq!(run.headings(), []);
-        assert_eq!(dropped(&run.outcome.velocity), [(UndefinedHeading, 1)]);
+        assert_eq!(
+            dropped(&run.outcome.tallies.velocity),
+            [(UndefinedHeading, 1)]
+        );
     }
 
     #[test]
     fn does_not_exist_at_an_attitude_without_a_heading() {
         let run = run(&[yaw(1.0, 0.0), nose_up(2.0, 0.0), north(2.0), yaw(3.0, 0.0)]);
         assert_eq!(run.headings(), []);
-        assert_eq!(dropped(&run.outcome.velocity), [(UndefinedHeading, 1)]);
+        assert_eq!(
+            dropped(&run.outcome.tallies.velocity),
+            [(UndefinedHeading, 1)]
+        );
     }
 
     /// Without the attitude at 2 s, the heading would turn evenly from 0° to 90°.
@@ -296,7 +306,10 @@ mod the_velocity {
         let after = [north(2.001), north(7.0), north(7.001), north(9e4)];
         let run = run(&[before, after].concat());
         assert_eq!(run.headings(), []);
-        assert_eq!(dropped(&run.outcome.velocity), [(OutsideAttitude, 6)]);
+        assert_eq!(
+            dropped(&run.outcome.tallies.velocity),
+            [(OutsideAttitude, 6)]
+        );
     }
 
     #[test]
@@ -306,7 +319,10 @@ mod the_velocity {
 
         let broken = run(&[yaw(1.0, 0.0), north(3.5), yaw(6.000000001, 40.0)]);
         assert_eq!(broken.headings(), []);
-        assert_eq!(dropped(&broken.outcome.velocity), [(InAttitudeGap, 1)]);
+        assert_eq!(
+            dropped(&broken.outcome.tallies.velocity),
+            [(InAttitudeGap, 1)]
+        );
     }
 
     #[test]
@@ -315,7 +331,7 @@ mod the_velocity {
         let resumed = [yaw(99.0, 40.0), north(100.0), yaw(101.0, 60.0)];
         let run = run(&[&gap[..], &resumed].concat());
         assert_eq!(run.headings(), [(100.0, 50.0)]);
-        assert_eq!(dropped(&run.outcome.velocity), [(InAttitudeGap, 3)]);
+        assert_eq!(dropped(&run.outcome.tallies.velocity), [(InAttitudeGap, 3)]);
     }
 
     #[test]
@@ -331,7 +347,10 @@ mod the_velocity {
         let end = [reset(2, 3.0, 100.0)];
         let run = run(&[&before[..], &after, &end].concat());
         assert_eq!(run.headings(), [(1.0, 0.0), (2.0, 90.0), (2.5, 95.0)]);
-        assert_eq!(dropped(&run.outcome.velocity), [(AcrossAttitudeReset, 1)]);
+        assert_eq!(
+            dropped(&run.outcome.tallies.velocity),
+            [(AcrossAttitudeReset, 1)]
+        );
     }
 
     #[test]
@@ -349,7 +368,7 @@ mod of_two_at_the_same_time {
         let run = run(&[yaw(1.0, 10.0), yaw(1.0, 70.0), north(1.0), yaw(2.0, 30.0)]);
         assert_eq!(run.headings(), [(1.0, 10.0)]);
         assert_eq!(run.turns(), [(2.0, 1.0, 20.0)]);
-        assert_eq!(dropped(&run.outcome.attitude), [(DuplicateTime, 1)]);
+        assert_eq!(dropped(&run.outcome.tallies.attitude), [(DuplicateTime, 1)]);
     }
 
     #[test]
@@ -357,7 +376,7 @@ mod of_two_at_the_same_time {
         let run = run(&[yaw(1.0, 10.0), nose_up(2.0, 0.0), yaw(2.0, 70.0)]);
         assert_eq!(run.turns(), []);
         let expected = [(DuplicateTime, 1), (UndefinedHeading, 1)];
-        assert_eq!(dropped(&run.outcome.attitude), expected);
+        assert_eq!(dropped(&run.outcome.tallies.attitude), expected);
     }
 
     #[test]
@@ -366,7 +385,7 @@ mod of_two_at_the_same_time {
         let between = [north(1.5), east(1.5), east(1.5), yaw(2.0, 0.0)];
         let run = run(&[&at_attitude[..], &between].concat());
         assert_eq!(run.headings(), [(1.0, 0.0), (1.5, 0.0)]);
-        assert_eq!(dropped(&run.outcome.velocity), [(DuplicateTime, 3)]);
+        assert_eq!(dropped(&run.outcome.tallies.velocity), [(DuplicateTime, 3)]);
     }
 
     #[test]
@@ -432,7 +451,7 @@ proptest! {
     #[test]
     fn every_sample_is_accounted_for(samples in any_stream(), depression in -89.0..=90.0) {
         let Run { derived, outcome } = run_at_depression(depression, &samples);
-        let Outcome { attitude, velocity, breaks } = outcome;
+        let Outcome { tallies: Tallies { attitude, velocity }, breaks } = outcome;
         let pushed = |kind| samples.iter().filter(|sample| sample.kind() == kind).count() as u64;
         let made = |quantity| derived.iter().filter(|d| d.quantity() == quantity).count() as u64;
 

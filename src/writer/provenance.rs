@@ -53,12 +53,12 @@ pub fn check_topics_are_free(log: &Log) -> Result<(), Error> {
         return Err(match ours {
             Some(record) => Error::AlreadyEnriched {
                 path,
-                quantity,
+                topic: quantity.topic(),
                 made_by: describe(record),
             },
             None => Error::TopicTaken {
                 path,
-                quantity,
+                topic: quantity.topic(),
                 schema: log
                     .contents
                     .schema_of(channel)
