@@ -13,15 +13,17 @@ mod foreign;
 mod scan;
 mod summary;
 
-use std::{borrow::Cow, path::Path};
+use std::{collections::BTreeMap, path::Path};
 
-use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, Record, op};
+use mcap::records::{
+    DataEnd, Header, MessageIndex, MessageIndexEntry, Metadata, MetadataIndex, op,
+};
 
 use crate::error::Error;
-use chunk::ChunkDecoder;
+use chunk::ChunkReader;
 use contents::{Contents, Segment, SegmentKind};
 use file::LogFile;
-use record::{FRAME_LENGTH, RawMessage, Records, parse};
+use record::{RawMessage, Records, parse};
 use scan::{Collector, Step, Walker};
 use summary::Ending;
 
@@ -62,41 +64,36 @@ impl Log {
         let file = LogFile::open(path)?;
         let header = read_header(&file)?;
         let ending = Ending::read(&file)?;
-        let summary = match ending {
-            Some(Ending {
-                data_end,
-                data_crc,
-                summary: Some(summary),
-            }) => {
-                if let Some(contents) = summary.account_for(&file, data_end)? {
-                    return Ok(Self {
-                        file,
-                        header,
-                        data_end,
-                        data_crc,
-                        contents,
-                        scanned: None,
-                        breaks_off_at: None,
-                    });
-                }
-                Some((ScanReason::IncompleteSummary, Some(summary)))
-            }
-            Some(_) => Some((ScanReason::NoSummary, None)),
-            None => None,
-        };
-        let (reason, summary) = summary.unwrap_or((ScanReason::NotClosed, None));
-        let mut log = Self::scan(file, header, reason)?;
-        if let Some(summary) = summary {
-            summary.supplement(&mut log.contents);
-            log.contents.statistics = log.contents.recount();
+        if let Some(Ending {
+            data_end,
+            data_crc,
+            summary: Some(summary),
+        }) = &ending
+            && let Some(contents) = summary.account_for(&file, *data_end)?
+        {
+            return Ok(Self {
+                header,
+                data_end: *data_end,
+                data_crc: *data_crc,
+                contents,
+                scanned: None,
+                breaks_off_at: None,
+                file,
+            });
         }
-        Ok(log)
+        Self::scan(file, header, ending)
     }
 
-    fn scan(file: LogFile, header: Header, reason: ScanReason) -> Result<Self, Error> {
-        let mut walker = Walker::new(&file, mcap::MAGIC.len() as u64, file.len());
+    /// Reads the log from start to end, which its `ending` may tell.
+    fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, Error> {
+        let known_end = ending.as_ref().map(|ending| ending.data_end);
+        let mut walker = Walker::new(
+            &file,
+            mcap::MAGIC.len() as u64,
+            known_end.unwrap_or(file.len()),
+        );
         let mut collector = Collector::default();
-        let mut data_crc = None;
+        let mut data_crc = ending.as_ref().and_then(|ending| ending.data_crc);
         let mut breaks_off_at = None;
         let data_end = loop {
             match walker.step()? {
@@ -108,6 +105,10 @@ impl Log {
                 }
                 Step::Record(frame) if frame.opcode == op::FOOTER => break frame.offset,
                 Step::Record(frame) => collector.record(&mut walker, &frame)?,
+                Step::End if known_end.is_some() => break walker.end(),
+                Step::Torn { offset } if known_end.is_some() => {
+                    return Err(file.corrupt(offset, "what is there is not a record"));
+                }
                 Step::End => {
                     breaks_off_at = Some(file.len());
                     break file.len();
@@ -119,6 +120,17 @@ impl Log {
             }
         };
         let mut contents = collector.finish();
+        let scanned = match ending {
+            None => ScanReason::NotClosed,
+            Some(Ending { summary: None, .. }) => ScanReason::NoSummary,
+            Some(Ending {
+                summary: Some(summary),
+                ..
+            }) => {
+                summary.supplement(&mut contents);
+                ScanReason::IncompleteSummary
+            }
+        };
         contents.statistics = contents.recount();
         Ok(Self {
             file,
@@ -126,7 +138,7 @@ impl Log {
             data_end,
             data_crc,
             contents,
-            scanned: Some(reason),
+            scanned: Some(scanned),
             breaks_off_at,
         })
     }
@@ -161,7 +173,7 @@ impl Log {
         let holds = |segment: &&Segment| segment.message_counts.contains_key(&channel_id);
         for segment in self.contents.segments.iter().filter(holds) {
             for message in messages.read(segment)? {
-                let message = message?;
+                let (_, message) = message?;
                 if message.channel_id == channel_id {
                     return Ok(Some(message.payload.to_vec()));
                 }
@@ -174,63 +186,72 @@ impl Log {
 /// Reads the messages of one segment after the other, reusing its buffers.
 pub struct SegmentReader<'a> {
     file: &'a LogFile,
-    raw: Vec<u8>,
-    decoder: ChunkDecoder,
+    loose: Vec<u8>,
+    chunks: ChunkReader,
 }
 
 impl<'a> SegmentReader<'a> {
     pub fn new(log: &'a Log) -> Self {
         Self {
             file: &log.file,
-            raw: Vec::new(),
-            decoder: ChunkDecoder::default(),
+            loose: Vec::new(),
+            chunks: ChunkReader::default(),
         }
     }
 
-    /// The messages of a segment, in the order of the file.
+    /// The messages of a segment, in the order of the file, each with its offset among the segment's
+    /// uncompressed records.
     ///
     /// # Errors
     /// The segment cannot be read or is damaged.
     pub fn read(
         &mut self,
         segment: &Segment,
-    ) -> Result<impl Iterator<Item = Result<RawMessage<'_>, Error>>, Error> {
+    ) -> Result<impl Iterator<Item = Result<(u64, RawMessage<'_>), Error>>, Error> {
         let file = self.file;
-        file.read_into(&mut self.raw, segment.offset, segment.length)?;
-        let content = match segment.kind {
-            SegmentKind::Loose => &self.raw,
-            SegmentKind::Chunk { .. } => {
-                let body = self.raw.get(FRAME_LENGTH..).unwrap_or_default();
-                let (
-                    Some(&op::CHUNK),
-                    Ok(Record::Chunk {
-                        header,
-                        data: Cow::Borrowed(compressed),
-                    }),
-                ) = (self.raw.first(), mcap::parse_record(op::CHUNK, body))
-                else {
-                    return Err(file.corrupt(segment.offset, "there should be a chunk"));
-                };
-                self.decoder.decode(&header, compressed).map_err(|fault| {
-                    file.corrupt(
-                        segment.offset,
-                        format!("the chunk there is unreadable: {fault}"),
-                    )
-                })?
+        let Segment { offset, length, .. } = *segment;
+        let records = match segment.kind {
+            SegmentKind::Loose => {
+                file.read_into(&mut self.loose, offset, length)?;
+                Records::new(&self.loose)
             }
+            SegmentKind::Chunk { .. } => self.chunks.read(file, offset, length)?.1,
         };
-        let offset = segment.offset;
         let malformed =
             move || file.corrupt(offset, "what starts there holds a record that breaks off");
-        Ok(
-            Records::new(content).filter_map(move |record| match record {
-                Ok(record) if record.opcode == op::MESSAGE => {
-                    Some(RawMessage::parse(record.body).ok_or_else(malformed))
+        Ok(records.filter_map(move |record| match record {
+            Ok(record) if record.opcode == op::MESSAGE => Some(
+                RawMessage::parse(record.body)
+                    .map(|message| (record.offset as u64, message))
+                    .ok_or_else(malformed),
+            ),
+            Ok(_) => None,
+            Err(_) => Some(Err(malformed())),
+        }))
+    }
+
+    /// The message indexes of a chunk, made from its messages.
+    ///
+    /// # Errors
+    /// The chunk cannot be read or is damaged.
+    pub fn message_indexes(&mut self, chunk: &Segment) -> Result<Vec<MessageIndex>, Error> {
+        let mut entries: BTreeMap<u16, Vec<MessageIndexEntry>> = BTreeMap::new();
+        for message in self.read(chunk)? {
+            let (offset, message) = message?;
+            let log_time = message.log_time;
+            let of_channel = entries.entry(message.channel_id).or_default();
+            of_channel.push(MessageIndexEntry { log_time, offset });
+        }
+        Ok(entries
+            .into_iter()
+            .map(|(channel_id, mut records)| {
+                records.sort_by_key(|entry| entry.log_time);
+                MessageIndex {
+                    channel_id,
+                    records,
                 }
-                Ok(_) => None,
-                Err(_) => Some(Err(malformed())),
-            }),
-        )
+            })
+            .collect())
     }
 }
 

@@ -335,6 +335,111 @@ fn ids_are_the_next_above_the_largest_or_the_lowest_free() {
 }
 
 #[test]
+fn an_id_that_only_a_chunk_a_count_or_an_index_has_is_not_given_again() {
+    // Channel 3 is defined in the last chunk, has no messages, and is not in the summary, but for its trace.
+    let log = |trace: fn(&mut Statistics), in_index: bool| {
+        let mut parts = Parts::of(&Shape::with(|options| options.compression(None)).write());
+        let silent = mcap::records::Channel {
+            id: 3,
+            schema_id: 0,
+            topic: "/silent".into(),
+            message_encoding: "json".into(),
+            metadata: Default::default(),
+        };
+        let mut content = Vec::new();
+        push_record(&mut content, op::CHANNEL, &serialize(&silent));
+        let header = mcap::records::ChunkHeader {
+            message_start_time: 0,
+            message_end_time: 0,
+            uncompressed_size: content.len() as u64,
+            uncompressed_crc: 0,
+            compression: String::new(),
+            compressed_size: content.len() as u64,
+        };
+        let chunk_start_offset = whole_length(&parts.data);
+        let mut body = serialize(&header);
+        body.extend(content);
+        let chunk_length = (9 + body.len()) as u64;
+        parts.data.push((op::CHUNK, body));
+        let mut index = ChunkIndex {
+            message_start_time: 0,
+            message_end_time: 0,
+            chunk_start_offset,
+            chunk_length,
+            message_index_offsets: Default::default(),
+            message_index_length: 0,
+            compression: String::new(),
+            compressed_size: header.compressed_size,
+            uncompressed_size: header.uncompressed_size,
+        };
+        if in_index {
+            let empty = mcap::records::MessageIndex {
+                channel_id: 3,
+                records: Vec::new(),
+            };
+            index
+                .message_index_offsets
+                .insert(3, chunk_start_offset + chunk_length);
+            index.message_index_length = 9 + serialize(&empty).len() as u64;
+            parts.data.push((op::MESSAGE_INDEX, serialize(&empty)));
+        }
+        parts.summary.push((op::CHUNK_INDEX, serialize(&index)));
+        for (opcode, body) in &mut parts.summary {
+            if *opcode == op::STATISTICS {
+                let mut statistics: Statistics = parse(body).expect("statistics");
+                statistics.chunk_count += 1;
+                trace(&mut statistics);
+                *body = serialize(&statistics);
+            }
+        }
+        parts.data_section_crc = 0;
+        parts.join()
+    };
+    let logs = [
+        log(|statistics| statistics.channel_count = 3, false),
+        log(
+            |statistics| statistics.channel_message_counts.extend([(3, 0)]),
+            true,
+        ),
+        log(|_| {}, true),
+        log(|_| {}, false),
+    ];
+    for log in logs {
+        let (result, _) = enrich_bytes(&log).expect("a result");
+        judge(&log, &result, false);
+        let summary = Summary::read(&result)
+            .expect("a summary")
+            .expect("a summary");
+        let new = summary
+            .channels
+            .values()
+            .filter(|channel| DERIVED.contains(&channel.topic.as_str()));
+        assert!(new.into_iter().all(|channel| channel.id > 3));
+    }
+}
+
+/// Where the next record would start.
+fn whole_length(records: &[(u8, Vec<u8>)]) -> u64 {
+    let bodies: usize = records.iter().map(|(_, body)| 9 + body.len()).sum();
+    (mcap::MAGIC.len() + bodies) as u64
+}
+
+#[test]
+fn damage_in_the_middle_of_a_closed_log_is_not_taken_for_its_end() {
+    let mut parts = Parts::of(&Shape::with(|options| options.emit_statistics(false)).write());
+    let middle = parts.data.len() / 2;
+    parts
+        .data
+        .insert(middle, (0, b"no record has this opcode".to_vec()));
+    parts.data_section_crc = 0;
+    let offset = whole_length(&parts.data[..middle]);
+    match enrich_bytes(&parts.join()) {
+        Err(Error::Corrupt { offset: found, .. }) => assert_eq!(found, offset),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
 fn a_log_that_uses_every_channel_id_is_refused() {
     let mut parts = Parts::of(&Shape::default().write());
     for id in 3..=u16::MAX {

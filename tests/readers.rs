@@ -13,7 +13,7 @@ use std::{
 
 use common::*;
 use flightcam::enrich::enrich;
-use mcap::Compression;
+use mcap::{Compression, records::op};
 use serde_json::Value;
 
 /// The two readers as command lines.
@@ -99,6 +99,17 @@ fn have_judged(readers: &[Vec<PathBuf>; 2], input: &Path) {
 
         // This mode fails by itself unless messages come in time order.
         let (mut indexed, summary) = read(reader, &output, &["index"]);
+        let log = fs::read(&output).expect("the result");
+        let loose = Parts::of(&log)
+            .data
+            .iter()
+            .any(|(opcode, _)| *opcode == op::MESSAGE);
+        assert_eq!(
+            summary["fallback"],
+            loose,
+            "{} is read by its index",
+            input.display()
+        );
         assert_eq!(
             summary["statistics"],
             summary["recount"],

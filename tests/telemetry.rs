@@ -459,6 +459,41 @@ fn two_topics_that_fit_equally_well_are_not_guessed_between() {
 }
 
 #[test]
+fn one_topic_may_be_named_for_both_roles() {
+    let profile = r#"
+        name = "one"
+        [attitude]
+        topics = ["/state"]
+        orientation.euler = { roll = "roll", pitch = "pitch", yaw = "yaw", unit = "radians" }
+        [velocity]
+        topics = ["/state"]
+        ned = ["vx", "vy", "vz"]
+    "#;
+    let mut log = Logbook::new();
+    let channel = log.json("/state");
+    log.put_flat(channel, 0, "0", "1");
+    log.put_flat(channel, 20, "0.5", "1");
+    let (derived, report) = log.enrich(Some(profile)).expect("a result");
+    assert_eq!(yaws(&derived), [(20, 0.5)]);
+    assert_eq!(report.velocity.tally.used, 2);
+}
+
+#[test]
+fn many_chunks_that_lie_within_one_another_are_put_in_order() {
+    let mut log = Logbook::new();
+    let channel = log.json("/state");
+    let count = 2000;
+    for i in 0..count {
+        log.put_flat(channel, i, "0", "1");
+        log.put_flat(channel, 2 * count - i, "0", "1");
+        log.writer.flush().expect("the chunk ends");
+    }
+    let (derived, report) = log.enrich(None).expect("a result");
+    assert!(derived.is_sorted_by_key(|message| message.log_time));
+    assert_eq!(report.attitude.tally.used, 2 * count);
+}
+
+#[test]
 fn old_px4_logs_have_no_reset_counter() {
     let attitude = "message Message { repeated float q = 1; }";
     let mut log = Logbook::new();

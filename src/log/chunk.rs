@@ -1,19 +1,36 @@
 //! The content of a chunk.
 
-use std::io::Read;
+use std::{borrow::Cow, io::Read};
 
-use mcap::records::ChunkHeader;
+use mcap::records::{ChunkHeader, Record, op};
 
-/// Decompresses chunks, reusing its buffer from one to the next.
+use super::{
+    file::LogFile,
+    record::{RawRecord, Records},
+};
+use crate::error::Error;
+
+/// More than any recorder puts into a chunk. A chunk that claims more is refused before it fills the memory.
+const MAX_CONTENT: u64 = 1 << 30;
+
+/// Reads chunks, reusing its buffers from one to the next.
 #[derive(Default)]
-pub struct ChunkDecoder {
+pub struct ChunkReader {
+    raw: Vec<u8>,
+    decoder: Decoder,
+}
+
+#[derive(Default)]
+struct Decoder {
     zstd: Option<zstd::bulk::Decompressor<'static>>,
     content: Vec<u8>,
 }
 
 /// Why a chunk has no readable content.
 #[derive(Debug, thiserror::Error)]
-pub enum ChunkFault {
+enum ChunkFault {
+    #[error("it is no whole chunk record")]
+    Malformed,
     #[error("its compression `{0}` is not supported (zstd, lz4 and none are)")]
     UnknownCompression(String),
     #[error("its content cannot be decompressed: {0}")]
@@ -24,13 +41,53 @@ pub enum ChunkFault {
         "its content does not have the checksum that was recorded ({expected:08x}, not {found:08x})"
     )]
     Checksum { expected: u32, found: u32 },
-    #[error("it is said to hold {0} bytes, which do not fit in memory")]
+    #[error("it is said to hold {0} bytes; at most 1 GiB is read")]
     TooLarge(u64),
 }
 
-impl ChunkDecoder {
-    /// The records of a chunk, checked against its length and, where it has one, its checksum.
-    pub fn decode<'a>(
+impl ChunkReader {
+    /// The header of the chunk whose record lies at `offset`, and the records that it holds, checked against
+    /// its length and, where it has one, its checksum.
+    ///
+    /// # Errors
+    /// There is no such chunk, or its content is damaged.
+    pub fn read(
+        &mut self,
+        file: &LogFile,
+        offset: u64,
+        length: u64,
+    ) -> Result<(ChunkHeader, Records<'_>), Error> {
+        let damaged = |fault: ChunkFault| {
+            file.corrupt(offset, format!("the chunk there is unreadable: {fault}"))
+        };
+        file.read_into(&mut self.raw, offset, length)?;
+        let (header, compressed) =
+            split(&self.raw).ok_or_else(|| damaged(ChunkFault::Malformed))?;
+        let content = self.decoder.decode(&header, compressed).map_err(damaged)?;
+        Ok((header, Records::new(content)))
+    }
+}
+
+/// The header of a chunk's record, and what is compressed in it.
+fn split(record: &[u8]) -> Option<(ChunkHeader, &[u8])> {
+    match Records::new(record).next()?.ok()? {
+        RawRecord {
+            opcode: op::CHUNK,
+            body,
+            ..
+        } => match mcap::parse_record(op::CHUNK, body).ok()? {
+            Record::Chunk {
+                header,
+                data: Cow::Borrowed(data),
+            } => Some((header, data)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+impl Decoder {
+    fn decode<'a>(
         &'a mut self,
         header: &ChunkHeader,
         compressed: &'a [u8],
@@ -78,6 +135,7 @@ impl ChunkDecoder {
         self.content.clear();
         usize::try_from(size)
             .ok()
+            .filter(|_| size <= MAX_CONTENT)
             .and_then(|size| self.content.try_reserve_exact(size).ok())
             .ok_or(ChunkFault::TooLarge(size))
     }

@@ -6,7 +6,7 @@ use std::{
 };
 
 use mcap::records::{
-    AttachmentIndex, Channel, ChunkIndex, MessageIndex, MetadataIndex, SchemaHeader, Statistics,
+    AttachmentIndex, Channel, ChunkIndex, MetadataIndex, SchemaHeader, Statistics,
 };
 
 use super::record::{Raw, parse};
@@ -21,6 +21,8 @@ pub struct Contents {
     pub attachments: Vec<Raw<AttachmentIndex>>,
     pub metadata: Vec<Raw<MetadataIndex>>,
     pub statistics: Statistics,
+    /// Channel ids that the log's summary mentions, though perhaps nothing else does.
+    pub mentioned_channel_ids: BTreeSet<u16>,
     /// Records of the summary section whose meaning this program does not know: opcode and body.
     pub unknown_summary: Vec<(u8, Vec<u8>)>,
 }
@@ -84,9 +86,9 @@ pub struct Segment {
 pub enum SegmentKind {
     Chunk {
         index: Raw<ChunkIndex>,
-        /// Message indexes that the log does not have. Where there are some, the chunk index does not
-        /// point to message indexes yet.
-        missing_indexes: Vec<MessageIndex>,
+        /// Whether message indexes lie in the log for all of the chunk's messages. Where they do not, the
+        /// chunk index points to none.
+        is_indexed: bool,
     },
     /// Messages outside chunks. No index can point to them.
     Loose,
@@ -103,11 +105,10 @@ impl Contents {
     /// The channel ids that stand anywhere in the log.
     pub fn channel_ids(&self) -> BTreeSet<u16> {
         let segments = self.segments.iter().flat_map(|s| s.message_counts.keys());
-        let statistics = self.statistics.channel_message_counts.keys();
         self.channels
             .keys()
             .chain(segments)
-            .chain(statistics)
+            .chain(&self.mentioned_channel_ids)
             .copied()
             .collect()
     }

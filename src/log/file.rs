@@ -19,7 +19,7 @@ impl LogFile {
     /// # Errors
     /// The file does not exist, is not a regular file, or cannot be opened.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let io = |source| Error::io("cannot open", path, source);
+        let io = |source| Error::io("cannot open the log", path, source);
         // Asked before opening, because opening a pipe waits for somebody to write to it.
         let metadata = std::fs::metadata(path).map_err(io)?;
         if !metadata.is_file() {

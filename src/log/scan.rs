@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 
 use mcap::records::{
-    AttachmentHeader, AttachmentIndex, ChunkIndex, MessageIndex, MessageIndexEntry, Metadata,
-    MetadataIndex, Record, op,
+    AttachmentHeader, AttachmentIndex, Channel, ChunkIndex, MessageIndex, Metadata, MetadataIndex,
+    op,
 };
 
 use super::{
-    chunk::ChunkDecoder,
+    chunk::ChunkReader,
     contents::{Contents, Schema, Segment, SegmentKind},
     file::LogFile,
-    record::{FRAME_LENGTH, Raw, RawMessage, Records, parse, split_frame},
+    record::{FRAME_LENGTH, Raw, RawMessage, parse, split_frame},
 };
 use crate::error::Error;
 
@@ -77,6 +77,11 @@ impl<'a> Walker<'a> {
         }
     }
 
+    /// Where the stretch ends.
+    pub fn end(&self) -> u64 {
+        self.end
+    }
+
     pub fn step(&mut self) -> Result<Step, Error> {
         let offset = self.position;
         if offset >= self.end {
@@ -125,15 +130,15 @@ impl<'a> Walker<'a> {
 #[derive(Default)]
 pub struct Collector {
     pub contents: Contents,
-    decoder: ChunkDecoder,
-    raw_chunk: Vec<u8>,
+    chunks: ChunkReader,
     /// The chunk that message indexes may still follow.
     open_chunk: Option<OpenChunk>,
 }
 
 struct OpenChunk {
     index: ChunkIndex,
-    entries: BTreeMap<u16, Vec<MessageIndexEntry>>,
+    times: Option<(u64, u64)>,
+    message_counts: BTreeMap<u16, u64>,
     /// Of the message indexes that follow it: messages by channel, and where each record starts.
     indexed: BTreeMap<u16, u64>,
     index_offsets: BTreeMap<u16, u64>,
@@ -160,7 +165,7 @@ impl Collector {
         match frame.opcode {
             op::SCHEMA | op::CHANNEL => {
                 let body = walker.body(frame, u64::MAX)?;
-                self.definition(frame.opcode, body)
+                define(&mut self.contents, frame.opcode, body)
                     .ok_or_else(|| malformed("schema or channel"))?;
             }
             op::MESSAGE => {
@@ -206,18 +211,6 @@ impl Collector {
         self.contents
     }
 
-    fn definition(&mut self, opcode: u8, body: &[u8]) -> Option<()> {
-        if opcode == op::SCHEMA {
-            let schema = Schema::parse(body)?;
-            self.contents.schemas.entry(schema.id).or_insert(schema);
-        } else {
-            let channel = Raw::<mcap::records::Channel>::parse(body).ok()?;
-            let channels = &mut self.contents.channels;
-            channels.entry(channel.record.id).or_insert(channel);
-        }
-        Some(())
-    }
-
     fn loose_message(&mut self, frame: &Frame, channel_id: u16, log_time: u64) {
         let segments = &mut self.contents.segments;
         let run = segments.last_mut().filter(|run| {
@@ -243,44 +236,26 @@ impl Collector {
     }
 
     fn chunk(&mut self, file: &LogFile, frame: &Frame) -> Result<(), Error> {
-        let mut raw = std::mem::take(&mut self.raw_chunk);
-        file.read_into(&mut raw, frame.body_offset(), frame.length)?;
-        let Ok(Record::Chunk { header, data }) = mcap::parse_record(op::CHUNK, &raw) else {
-            return Err(file.corrupt(frame.offset, "the chunk there cannot be read"));
-        };
-        let mut decoder = std::mem::take(&mut self.decoder);
-        let content = decoder.decode(&header, &data).map_err(|fault| {
-            file.corrupt(
-                frame.offset,
-                format!("the chunk there is unreadable: {fault}"),
-            )
-        })?;
-
         let malformed = || {
             file.corrupt(
                 frame.offset,
                 "the chunk there holds a record that breaks off",
             )
         };
+        let length = frame.end() - frame.offset;
+        let (header, records) = self.chunks.read(file, frame.offset, length)?;
         let mut times = None;
-        let mut entries: BTreeMap<u16, Vec<MessageIndexEntry>> = BTreeMap::new();
-        for record in Records::new(content) {
+        let mut message_counts = BTreeMap::new();
+        for record in records {
             let record = record.map_err(|_| malformed())?;
             match record.opcode {
                 op::SCHEMA | op::CHANNEL => {
-                    self.definition(record.opcode, record.body)
-                        .ok_or_else(malformed)?;
+                    define(&mut self.contents, record.opcode, record.body).ok_or_else(malformed)?;
                 }
                 op::MESSAGE => {
                     let message = RawMessage::parse(record.body).ok_or_else(malformed)?;
                     times = widen(times, message.log_time);
-                    entries
-                        .entry(message.channel_id)
-                        .or_default()
-                        .push(MessageIndexEntry {
-                            log_time: message.log_time,
-                            offset: record.offset as u64,
-                        });
+                    *message_counts.entry(message.channel_id).or_default() += 1;
                 }
                 _ => {}
             }
@@ -291,20 +266,19 @@ impl Collector {
                 message_start_time,
                 message_end_time,
                 chunk_start_offset: frame.offset,
-                chunk_length: frame.end() - frame.offset,
+                chunk_length: length,
                 message_index_offsets: BTreeMap::new(),
                 message_index_length: 0,
                 compression: header.compression,
                 compressed_size: header.compressed_size,
                 uncompressed_size: header.uncompressed_size,
             },
-            entries,
+            times,
+            message_counts,
             indexed: BTreeMap::new(),
             index_offsets: BTreeMap::new(),
             index_length: 0,
         });
-        self.decoder = decoder;
-        self.raw_chunk = raw;
         Ok(())
     }
 
@@ -313,43 +287,39 @@ impl Collector {
             return;
         };
         let mut index = chunk.index;
-        let message_counts: BTreeMap<u16, u64> = chunk
-            .entries
-            .iter()
-            .map(|(&id, entries)| (id, entries.len() as u64))
-            .collect();
         let mut indexed = chunk.indexed;
         indexed.retain(|_, count| *count > 0);
-
-        let missing_indexes = if indexed == message_counts {
+        let is_indexed = indexed == chunk.message_counts;
+        if is_indexed {
             index.message_index_offsets = chunk.index_offsets;
             index.message_index_length = chunk.index_length;
-            Vec::new()
-        } else {
-            chunk
-                .entries
-                .into_iter()
-                .map(|(channel_id, mut records)| {
-                    records.sort_by_key(|entry| entry.log_time);
-                    MessageIndex {
-                        channel_id,
-                        records,
-                    }
-                })
-                .collect()
-        };
+        }
         self.contents.segments.push(Segment {
             offset: index.chunk_start_offset,
             length: index.chunk_length,
-            times: (!message_counts.is_empty())
-                .then_some((index.message_start_time, index.message_end_time)),
-            message_counts,
+            times: chunk.times,
+            message_counts: chunk.message_counts,
             kind: SegmentKind::Chunk {
                 index: Raw::new(index),
-                missing_indexes,
+                is_indexed,
             },
         });
     }
+}
+
+/// Adds a schema or a channel, unless one of its id is known; `None` if its record cannot be read.
+fn define(contents: &mut Contents, opcode: u8, body: &[u8]) -> Option<()> {
+    if opcode == op::SCHEMA {
+        let schema = Schema::parse(body)?;
+        contents.schemas.entry(schema.id).or_insert(schema);
+    } else {
+        let channel = Raw::<Channel>::parse(body).ok()?;
+        contents
+            .channels
+            .entry(channel.record.id)
+            .or_insert(channel);
+    }
+    Some(())
 }
 
 fn widen(times: Option<(u64, u64)>, time: u64) -> Option<(u64, u64)> {

@@ -179,6 +179,13 @@ impl Summary {
             }
         }
         contents.unknown_summary = self.unknown.clone();
+        let counted = self
+            .statistics
+            .iter()
+            .flat_map(|s| s.channel_message_counts.keys());
+        let indexed =
+            (self.chunk_indexes.iter()).flat_map(|i| i.record.message_index_offsets.keys());
+        contents.mentioned_channel_ids = counted.chain(indexed).copied().collect();
 
         let chunks = contents
             .segments
@@ -214,6 +221,8 @@ fn agree(statistics: &Statistics, contents: &Contents) -> bool {
         && statistics.message_start_time == recount.message_start_time
         && statistics.message_end_time == recount.message_end_time
         && statistics.chunk_count == recount.chunk_count
+        && statistics.schema_count == recount.schema_count
+        && statistics.channel_count == recount.channel_count
         && (contents.channel_ids().iter()).all(|id| contents.channels.contains_key(id))
         && (contents.schema_ids().iter()).all(|id| contents.schemas.contains_key(id))
 }
@@ -291,7 +300,7 @@ fn indexed_chunk(index: &Raw<ChunkIndex>) -> Option<(Segment, u64)> {
             message_counts,
             kind: SegmentKind::Chunk {
                 index: index.clone(),
-                missing_indexes: Vec::new(),
+                is_indexed: true,
             },
         },
         end,

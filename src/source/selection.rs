@@ -102,6 +102,11 @@ fn fit(log: &Log, profile: Profile) -> Result<Source, Misfit> {
         None => Err(format!("the profile `{}` has no velocity", profile.name)),
         Some(role) if role.topics.is_empty() => Ok(attitude.topic.clone()),
         Some(role) => match find_by_name(log, &role.topics) {
+            Some(topic) if topic == attitude.topic => {
+                let both = [Kind::Attitude, Kind::Velocity];
+                channels = bind(log, &profile, topic, &both)?.channels;
+                Ok(attitude.topic.clone())
+            }
             Some(topic) => {
                 let velocity = bind(log, &profile, topic, &[Kind::Velocity])?;
                 channels.extend(velocity.channels);

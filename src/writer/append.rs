@@ -9,7 +9,7 @@ use std::{
 
 use mcap::{
     Attachment, Compression, WriteOptions,
-    records::{ChunkIndex, DataEnd, MessageHeader, op},
+    records::{ChunkIndex, DataEnd, Header, MessageHeader, op},
 };
 use prost::Message;
 
@@ -23,9 +23,9 @@ use crate::{
     derived::{Derived, Quantity, Value},
     error::Error,
     log::{
-        Log,
+        Log, SegmentReader,
         contents::SegmentKind,
-        record::{FRAME_LENGTH, push_record, serialize},
+        record::{push_record, serialize},
     },
     messages::{self, v1},
 };
@@ -35,9 +35,6 @@ const CHUNK_SIZE: u64 = 1024 * 1024;
 
 /// How much is copied between two reports of progress.
 const COPY_STEP: u64 = 64 * 1024 * 1024;
-
-/// What the official writer starts its file with: the magic bytes and a header with two empty strings.
-const PREAMBLE: usize = mcap::MAGIC.len() + FRAME_LENGTH + 2 * size_of::<u32>();
 
 type Output = BufWriter<File>;
 
@@ -90,8 +87,8 @@ impl<'a> Appender<'a> {
 
         let file = output.file().try_clone().map_err(write_error)?;
         let mut region = Region::new(BufWriter::new(file), log.data_end, log.data_crc);
-        let reindexed = write_missing_indexes(log, &mut region).map_err(write_error)?;
-        let (region, seal) = region.sealable(PREAMBLE);
+        let reindexed = write_missing_indexes(log, &mut region, write_error)?;
+        let (region, seal) = region.sealable(preamble());
         let writer = WriteOptions::new()
             .profile("")
             .library("")
@@ -235,6 +232,17 @@ impl<'a> Appender<'a> {
     }
 }
 
+/// What the official writer starts its file with.
+fn preamble() -> Vec<u8> {
+    let header = Header {
+        profile: String::new(),
+        library: String::new(),
+    };
+    let mut preamble = mcap::MAGIC.to_vec();
+    push_record(&mut preamble, op::HEADER, &serialize(&header));
+    preamble
+}
+
 /// What the program was doing when the output failed.
 const WRITING: &str = "cannot write the output";
 
@@ -284,26 +292,24 @@ fn copy(log: &Log, output: &File, mut progress: impl FnMut(u64)) -> io::Result<(
 fn write_missing_indexes(
     log: &Log,
     region: &mut Region<Output>,
-) -> io::Result<BTreeMap<u64, ChunkIndex>> {
+    write_error: impl Fn(io::Error) -> Error,
+) -> Result<BTreeMap<u64, ChunkIndex>, Error> {
     let mut reindexed = BTreeMap::new();
     if log.contents.has_loose_messages() {
         return Ok(reindexed);
     }
+    let mut reader = SegmentReader::new(log);
     for segment in &log.contents.segments {
         if let SegmentKind::Chunk {
             index,
-            missing_indexes,
+            is_indexed: false,
         } = &segment.kind
-            && !missing_indexes.is_empty()
         {
+            let indexes = reader.message_indexes(segment)?;
             let mut bytes = Vec::new();
-            let chunk = summary::encode_message_indexes(
-                index,
-                missing_indexes,
-                region.position(),
-                &mut bytes,
-            );
-            region.write_all(&bytes)?;
+            let position = region.position();
+            let chunk = summary::encode_message_indexes(index, &indexes, position, &mut bytes);
+            region.write_all(&bytes).map_err(&write_error)?;
             reindexed.insert(segment.offset, chunk);
         }
     }
@@ -335,18 +341,19 @@ fn encode(derived: &Derived, out: &mut Vec<u8>) {
     encoded.expect("a vector grows as needed");
 }
 
-const NANOSECONDS: u64 = 1_000_000_000;
-
 fn timestamp(nanoseconds: u64) -> prost_types::Timestamp {
-    prost_types::Timestamp {
-        seconds: (nanoseconds / NANOSECONDS) as i64,
-        nanos: (nanoseconds % NANOSECONDS) as i32,
-    }
+    let (seconds, nanos) = split_seconds(nanoseconds);
+    prost_types::Timestamp { seconds, nanos }
 }
 
 fn duration(nanoseconds: u64) -> prost_types::Duration {
-    prost_types::Duration {
-        seconds: (nanoseconds / NANOSECONDS) as i64,
-        nanos: (nanoseconds % NANOSECONDS) as i32,
-    }
+    let (seconds, nanos) = split_seconds(nanoseconds);
+    prost_types::Duration { seconds, nanos }
+}
+
+/// Whole seconds and the nanoseconds beyond them, both of which fit as they are smaller than `u64::MAX` / 1e9
+/// and 1e9.
+fn split_seconds(nanoseconds: u64) -> (i64, i32) {
+    const SECOND: u64 = 1_000_000_000;
+    ((nanoseconds / SECOND) as i64, (nanoseconds % SECOND) as i32)
 }

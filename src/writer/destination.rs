@@ -3,6 +3,7 @@
 use std::{
     ffi::OsString,
     fs::{self, File, Permissions},
+    io::{self, ErrorKind},
     path::{Path, PathBuf},
 };
 
@@ -70,8 +71,10 @@ impl Destination {
             .tempfile_in(&self.folder)
             .and_then(|file| {
                 // Whoever may read the log may read the result, as far as the user can grant that.
-                file.as_file().set_permissions(permissions)?;
-                Ok(file)
+                match file.as_file().set_permissions(permissions) {
+                    Err(error) if !cannot_be_granted(&error) => Err(error),
+                    _ => Ok(file),
+                }
             })
             .map_err(|source| {
                 self.error(
@@ -85,9 +88,16 @@ impl Destination {
         })
     }
 
-    pub(super) fn error(&self, action: &'static str, source: std::io::Error) -> Error {
+    pub(super) fn error(&self, action: &'static str, source: io::Error) -> Error {
         Error::io(action, &self.path, source)
     }
+}
+
+fn cannot_be_granted(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::PermissionDenied | ErrorKind::Unsupported
+    )
 }
 
 /// A file that is being written. It is removed again unless it is committed.
@@ -116,7 +126,7 @@ impl Pending {
             file.persist_noclobber(&destination.path)
         };
         persisted.map_err(|error| match error.error.kind() {
-            std::io::ErrorKind::AlreadyExists => Error::OutputExists {
+            ErrorKind::AlreadyExists => Error::OutputExists {
                 path: destination.path.clone(),
             },
             _ => failed(error.error),

@@ -18,7 +18,8 @@ pub struct Region<W> {
     position: u64,
     /// Of the data section so far, where the log has a checksum to go on with.
     crc: Option<crc32fast::Hasher>,
-    swallow: usize,
+    /// What the official writer is still expected to start with.
+    preamble: Vec<u8>,
     seal: Seal,
 }
 
@@ -44,14 +45,14 @@ impl<W: Write> Region<W> {
             out,
             position,
             crc: crc.map(crc32fast::Hasher::new_with_initial),
-            swallow: 0,
+            preamble: Vec::new(),
             seal: Seal::default(),
         }
     }
 
-    /// The region without its first `swallow` bytes to come, and the means to close it.
-    pub fn sealable(mut self, swallow: usize) -> (Self, Seal) {
-        self.swallow = swallow;
+    /// The region that swallows these bytes before all others, and the means to close it.
+    pub fn sealable(mut self, preamble: Vec<u8>) -> (Self, Seal) {
+        self.preamble = preamble;
         self.seal = Seal::default();
         let seal = self.seal.clone();
         (self, seal)
@@ -73,9 +74,13 @@ impl<W: Write> Write for Region<W> {
         if self.seal.is_closed() {
             return Ok(bytes.len());
         }
-        let swallowed = self.swallow.min(bytes.len());
-        self.swallow -= swallowed;
-        let kept = &bytes[swallowed..];
+        let (swallowed, kept) = bytes.split_at(self.preamble.len().min(bytes.len()));
+        if !self.preamble.starts_with(swallowed) {
+            return Err(io::Error::other(
+                "the MCAP writer does not start as expected",
+            ));
+        }
+        self.preamble.drain(..swallowed.len());
         self.out.write_all(kept)?;
         if let Some(crc) = &mut self.crc {
             crc.update(kept);

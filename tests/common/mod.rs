@@ -452,7 +452,16 @@ pub fn judge(log: &[u8], result: &[u8], torn: bool) -> Vec<Read> {
         .expect("a readable summary")
         .expect("a summary");
     assert_eq!(summary.stats.as_ref(), Some(&recount(result)));
-    if !summary.chunk_indexes.is_empty() {
+    let loose = Parts::of(result)
+        .data
+        .iter()
+        .any(|(opcode, _)| *opcode == op::MESSAGE);
+    assert_eq!(
+        summary.chunk_indexes.is_empty(),
+        loose,
+        "an index, unless it would hide messages outside chunks"
+    );
+    if !loose {
         let mut by_index = indexed(result);
         assert!(by_index.is_sorted_by_key(|message| message.log_time));
         let mut by_stream = all;
