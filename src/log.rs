@@ -13,7 +13,10 @@ mod foreign;
 mod scan;
 mod summary;
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 use mcap::records::{
     DataEnd, Header, MessageIndex, MessageIndexEntry, Metadata, MetadataIndex, op,
@@ -167,19 +170,34 @@ impl Log {
             })
     }
 
-    /// The payload of the first message of a channel, in the order of the file.
-    pub fn first_payload(&self, channel_id: u16) -> Result<Option<Vec<u8>>, Error> {
-        let mut messages = SegmentReader::new(self);
-        let holds = |segment: &&Segment| segment.message_counts.contains_key(&channel_id);
-        for segment in self.contents.segments.iter().filter(holds) {
-            for message in messages.read(segment)? {
+    /// The payloads of the first messages of channels, in the order of the file: at most so many of each, none
+    /// longer than 64 KiB, from the first segment that holds any.
+    ///
+    /// # Errors
+    /// A segment cannot be read or is damaged.
+    pub fn first_payloads(
+        &self,
+        channel_ids: &BTreeSet<u16>,
+        most: usize,
+    ) -> Result<BTreeMap<u16, Vec<Vec<u8>>>, Error> {
+        let mut segments = SegmentReader::new(self);
+        let mut payloads: BTreeMap<u16, Vec<Vec<u8>>> = BTreeMap::new();
+        let mut pending = channel_ids.clone();
+        for segment in &self.contents.segments {
+            if !segment.message_counts.keys().any(|id| pending.contains(id)) {
+                continue;
+            }
+            for message in segments.read(segment)? {
                 let (_, message) = message?;
-                if message.channel_id == channel_id {
-                    return Ok(Some(message.payload.to_vec()));
+                let of_channel = payloads.entry(message.channel_id).or_default();
+                let is_wanted = pending.contains(&message.channel_id) && of_channel.len() < most;
+                if is_wanted && message.payload.len() <= 64 * 1024 {
+                    of_channel.push(message.payload.to_vec());
                 }
             }
+            pending.retain(|id| !segment.message_counts.contains_key(id));
         }
-        Ok(None)
+        Ok(payloads)
     }
 }
 

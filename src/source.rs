@@ -3,6 +3,7 @@
 pub mod profile;
 
 mod channel;
+mod examples;
 mod field;
 mod json;
 mod protobuf;
@@ -42,17 +43,21 @@ enum Unresolved {
     },
     #[error("{problem}")]
     Schema { problem: String },
-    #[error("it has no field `{path}`; {place} has {}", available.join(", "))]
+    #[error("it has no field {}; {place} has {}", list(lacking), available.join(", "))]
     NoSuchField {
-        path: FieldPath,
-        /// The message, or what else was searched.
+        lacking: Vec<FieldPath>,
+        /// The message, or what else was searched for the first of them.
         place: String,
         available: Vec<String>,
     },
     #[error("its field `{path}` does not exist, because `{name}` is not a single message")]
     NotAMessage { path: FieldPath, name: String },
-    #[error("its field `{path}` is not a number but a {kind}")]
-    NotANumber { path: FieldPath, kind: &'static str },
+    #[error("its field `{path}` is not {wanted} but a {kind}")]
+    WrongShape {
+        path: FieldPath,
+        wanted: &'static str,
+        kind: &'static str,
+    },
     #[error(transparent)]
     Unreadable(#[from] Error),
 }
@@ -101,4 +106,9 @@ impl Source {
             self.attitude_topic
         ))
     }
+}
+
+fn list(fields: &[FieldPath]) -> String {
+    let names: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
+    names.join(", ")
 }

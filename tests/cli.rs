@@ -305,8 +305,10 @@ fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_there_is
         "/imu",
         [json!({ "roll": 0, "pitch": 0, "yaw": 0, "vx": 0 })],
     );
-    let fields = "roll, pitch, yaw, vx, vy, vz";
-    let nearest = format!("{fields}; /imu comes closest and lacks vy, vz");
+    let fields = "`roll`, `pitch`, `yaw`, `vx`, `vy`, `vz`";
+    let nearest = format!(
+        "{fields}; /imu comes closest: it has no field `vy`, `vz`; … first messages has pitch, roll, vx, yaw"
+    );
     let cases: [(&[Topic], &str, &str); 4] = [
         (&[battery], fields, "topics of the log: … /battery (json"),
         (&[attitude], &nearest, "/imu (json, no schema)"),
@@ -352,7 +354,11 @@ fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
         (flight(), "rol", "`rol`; demo.DroneState has … yaw"),
         (flight(), "timestamp", "`timestamp` is not a number"),
         (state_log(1.0), "rol", "`rol`; … has pitch, roll, vx"),
-        (log(&[listed]), "roll", "`roll`; … has roll_deg"),
+        (
+            log(&[listed]),
+            "roll",
+            "`roll`, `pitch`, `yaw`; … has roll_deg",
+        ),
         (log(&[foreign]), "roll", "`flatbuffer` … protobuf and JSON"),
         (log(&[elsewhere]), "roll", "/drone/status (json"),
     ];

@@ -373,6 +373,11 @@ fn a_profile_that_asks_for_what_a_schema_lacks_names_it_and_what_there_is() {
             ("pose.q", "others.q"),
             ["others.q", "`others` is not a single message"],
         ),
+        (
+            ("pose.q", "pose.ok"),
+            ["`pose.ok` is not a list of numbers", "single number"],
+        ),
+        (("pose.ok", "pose.q"), ["`pose.q` is not", "list"]),
     ] {
         let mut log = Logbook::new();
         let (channel, message) = log.protobuf("/pose", NESTED);
@@ -441,6 +446,32 @@ fn json_may_be_nested_and_null_is_missing() {
         ]
     );
     assert_eq!(forwards(&derived), [(0, 4.0), (3, 0.0)]);
+}
+
+#[test]
+fn a_json_field_may_be_one_that_the_schema_leaves_open_or_the_first_message_lacks() {
+    let profile = r#"
+        name = "open"
+        [attitude]
+        topics = ["/json"]
+        orientation.euler = { roll = "att.r", pitch = "att.p", yaw = "att.y", unit = "radians" }
+    "#;
+    let mut log = Logbook::new();
+    let schema = br#"{"type":"object","properties":{"att":{"type":"object"},"status":{}}}"#;
+    let schema = log.writer.add_schema("State", "jsonschema", schema);
+    let channel = log.channel(schema.expect("a schema"), "/json", "json");
+    for (time, text) in [
+        (0, r#"{"status":"boot"}"#),
+        (1, r#"{"att":null}"#),
+        (2, r#"{"att":{"r":0,"p":0,"y":0}}"#),
+        (3, r#"{"att":{"r":0,"p":0,"y":0.5}}"#),
+    ] {
+        log.put(channel, time, text.as_bytes());
+    }
+    let (derived, report) = log.enrich(Some(profile)).expect("a result");
+    assert_eq!(yaws(&derived), [(3, 0.5)]);
+    assert_eq!(dropped(&report.attitude.tally), [("missing_field", 2)]);
+    assert!(report.complete);
 }
 
 #[test]

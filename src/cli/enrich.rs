@@ -97,8 +97,8 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
         print(&describe(&report))
     };
     if let Err(error) = printed {
-        complain("error", &format!("cannot write the report: {error}"));
-        return Ok(Exit::Failed);
+        // The result is complete all the same.
+        complain("warning", &format!("cannot write the report: {error}"));
     }
     if report.complete {
         return Ok(Exit::Done);

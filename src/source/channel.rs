@@ -5,7 +5,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::{
     Unresolved,
-    field::{FieldPath, FieldValue, Undecodable},
+    examples::Examples,
+    field::{FieldPath, FieldValue, Shape, Undecodable, Wanted},
     json,
     profile::{AngleUnit, Orientation, Profile},
     protobuf,
@@ -76,16 +77,19 @@ impl ChannelSource {
     /// Resolves the profile's fields for the wanted kinds of sample against a channel.
     pub fn new(
         log: &Log,
+        examples: &Examples,
         channel: &Channel,
         profile: &Profile,
         kinds: &[Kind],
     ) -> Result<Self, Unresolved> {
-        let mut paths: Vec<FieldPath> = Vec::new();
-        let mut slot_of = |path: &FieldPath| {
-            let known = paths.iter().position(|other| other == path);
+        let mut wanted: Vec<Wanted> = Vec::new();
+        let mut slot_of = |path: &FieldPath, shape: Shape| {
+            let path = path.clone();
+            let field = Wanted { path, shape };
+            let known = wanted.iter().position(|other| *other == field);
             known.unwrap_or_else(|| {
-                paths.push(path.clone());
-                paths.len() - 1
+                wanted.push(field);
+                wanted.len() - 1
             })
         };
         let mut attitude = None;
@@ -94,7 +98,7 @@ impl ChannelSource {
             let role = &profile.attitude;
             let orientation = match &role.orientation {
                 Orientation::Quaternion(quaternion) => {
-                    OrientationSlots::Quaternion(slot_of(quaternion))
+                    OrientationSlots::Quaternion(slot_of(quaternion, Shape::List))
                 }
                 Orientation::Euler {
                     roll,
@@ -102,17 +106,20 @@ impl ChannelSource {
                     yaw,
                     unit,
                 } => OrientationSlots::Euler {
-                    rpy: [roll, pitch, yaw].map(&mut slot_of),
+                    rpy: [roll, pitch, yaw].map(|path| slot_of(path, Shape::Number)),
                     unit: *unit,
                 },
             };
             let reset_counter = match &role.reset_counter {
-                Some(counter)
-                    if counter.optional && !Self::has_field(log, channel, &counter.field) =>
-                {
-                    None
+                Some(counter) if counter.optional => {
+                    let alone = [Wanted {
+                        path: counter.field.clone(),
+                        shape: Shape::Number,
+                    }];
+                    let exists = Decoder::new(log, examples, channel, &alone).is_ok();
+                    exists.then(|| slot_of(&counter.field, Shape::Number))
                 }
-                counter => counter.as_ref().map(|counter| slot_of(&counter.field)),
+                counter => (counter.as_ref()).map(|c| slot_of(&c.field, Shape::Number)),
             };
             attitude = Some(AttitudeSlots {
                 orientation,
@@ -123,22 +130,19 @@ impl ChannelSource {
             && kinds.contains(&Kind::Velocity)
         {
             velocity = Some(VelocitySlots {
-                ned: role.ned.each_ref().map(&mut slot_of),
-                valid: role.valid.iter().map(&mut slot_of).collect(),
+                ned: (role.ned.each_ref()).map(|path| slot_of(path, Shape::Number)),
+                valid: (role.valid.iter())
+                    .map(|path| slot_of(path, Shape::Number))
+                    .collect(),
             });
         }
         Ok(Self {
-            decoder: Decoder::new(log, channel, &paths)?,
-            slots: vec![FieldValue::default(); paths.len()],
+            decoder: Decoder::new(log, examples, channel, &wanted)?,
+            slots: vec![FieldValue::default(); wanted.len()],
             attitude,
             velocity,
             largest: LargestAngles::default(),
         })
-    }
-
-    /// Whether a channel's messages have a field with numbers.
-    pub fn has_field(log: &Log, channel: &Channel, field: &FieldPath) -> bool {
-        Decoder::new(log, channel, std::slice::from_ref(field)).is_ok()
     }
 
     /// Reads one message. `emit` gets a sample, or why there is none, for each kind that the channel has.
@@ -187,20 +191,25 @@ impl ChannelSource {
 }
 
 impl Decoder {
-    fn new(log: &Log, channel: &Channel, paths: &[FieldPath]) -> Result<Self, Unresolved> {
+    fn new(
+        log: &Log,
+        examples: &Examples,
+        channel: &Channel,
+        wanted: &[Wanted],
+    ) -> Result<Self, Unresolved> {
         let schema = log.contents.schema_of(channel);
         let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
         match (channel.message_encoding.as_str(), schema_encoding, schema) {
             ("protobuf", "protobuf", Some(schema)) => {
-                let decoder = protobuf::Decoder::new(&schema.name, schema.data(), paths);
+                let decoder = protobuf::Decoder::new(&schema.name, schema.data(), wanted);
                 decoder.map(Self::Protobuf)
             }
             ("json", "jsonschema" | "", schema) => {
                 let data = schema
                     .map(|schema| schema.data())
                     .filter(|data| !data.is_empty());
-                let example = || log.first_payload(channel.id);
-                json::Decoder::new(data, paths, example).map(Self::Json)
+                let examples = || examples.of(channel.id);
+                json::Decoder::new(data, wanted, examples).map(Self::Json)
             }
             (message_encoding, schema_encoding, _) => Err(Unresolved::Encoding {
                 message_encoding: message_encoding.to_owned(),

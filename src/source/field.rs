@@ -44,6 +44,20 @@ impl fmt::Display for FieldPath {
     }
 }
 
+/// A field that a role is made of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wanted {
+    pub path: FieldPath,
+    pub shape: Shape,
+}
+
+/// What a field holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    Number,
+    List,
+}
+
 /// What a field held in one message: a number, a list of them, or nothing.
 ///
 /// Booleans count as 0 and 1. Of a list the first [`CAPACITY`](Self::CAPACITY) numbers are kept.

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::{
     Unresolved,
-    field::{FieldPath, FieldTree, FieldValue, Node, Undecodable},
+    field::{FieldPath, FieldTree, FieldValue, Node, Undecodable, Wanted},
 };
 use crate::error::Error;
 
@@ -18,14 +18,14 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// Resolves fields. The value of the n-th path goes to slot n.
+    /// Resolves fields. The value of the n-th field goes to slot n.
     ///
     /// JSON needs no schema, and its schemas need not name every field: a field counts as there if the JSON
-    /// Schema lists it, or if the topic's first message has it. `example` gives that message when asked.
+    /// Schema lists it, or if one of the topic's first messages has it. `examples` gives these when asked.
     pub fn new(
         schema: Option<&[u8]>,
-        paths: &[FieldPath],
-        example: impl FnOnce() -> Result<Option<Vec<u8>>, Error>,
+        wanted: &[Wanted],
+        examples: impl FnOnce() -> Result<Vec<Vec<u8>>, Error>,
     ) -> Result<Self, Unresolved> {
         let schema: Value = match schema {
             None => Value::Null,
@@ -33,21 +33,42 @@ impl Decoder {
                 problem: format!("its JSON schema cannot be read: {error}"),
             })?,
         };
-        if let Some(path) = paths.iter().find(|path| !schema_lists(&schema, path)) {
-            let properties = &schema["properties"];
-            // A schema that refers elsewhere may name more than is seen at a glance.
-            if is_self_contained(properties) {
-                return Err(no_such_field(path, "its JSON schema", properties));
+        let mut open = Vec::new();
+        let mut lacking = Vec::new();
+        for Wanted { path, .. } in wanted {
+            match look_up(&schema, path) {
+                Listing::Listed => {}
+                Listing::Open => open.push(path),
+                Listing::Closed => lacking.push(path.clone()),
             }
-            let example = example()?.unwrap_or_default();
-            let example: Value = serde_json::from_slice(&example).unwrap_or_default();
-            if let Some(path) = paths.iter().find(|path| !has_field(&example, path)) {
-                return Err(no_such_field(path, "its first message", &example));
+        }
+        if !lacking.is_empty() {
+            return Err(no_such_field(
+                lacking,
+                "its JSON schema",
+                &schema["properties"],
+            ));
+        }
+        if !open.is_empty() {
+            let lacks = |example: &Value| -> Vec<FieldPath> {
+                let lacking = open.iter().filter(|path| !has_field(example, path));
+                lacking.map(|path| (*path).clone()).collect()
+            };
+            let examples = examples()?;
+            let fullest = examples
+                .iter()
+                .filter_map(|json| serde_json::from_slice(json).ok())
+                .min_by_key(|example| lacks(example).len())
+                .unwrap_or_default();
+            let lacking = lacks(&fullest);
+            if !lacking.is_empty() {
+                let place = "the fullest of its first messages";
+                return Err(no_such_field(lacking, place, &fullest));
             }
         }
         let mut fields = FieldTree::new();
-        for (slot, path) in paths.iter().enumerate() {
-            fields.insert(path.names(), slot);
+        for (slot, wanted) in wanted.iter().enumerate() {
+            fields.insert(wanted.path.names(), slot);
         }
         Ok(Self { fields })
     }
@@ -64,37 +85,48 @@ impl Decoder {
     }
 }
 
-fn schema_lists(schema: &Value, path: &FieldPath) -> bool {
-    let listed = |within: &Value, name: &String| within.get("properties")?.get(name).cloned();
-    path.names()
-        .iter()
-        .try_fold(schema.clone(), |within, name| listed(&within, name))
-        .is_some()
+fn no_such_field(lacking: Vec<FieldPath>, place: &str, object: &Value) -> Unresolved {
+    let object = object.as_object();
+    Unresolved::NoSuchField {
+        lacking,
+        place: place.to_owned(),
+        available: object.map_or_else(Vec::new, |object| object.keys().cloned().collect()),
+    }
 }
 
-fn is_self_contained(properties: &Value) -> bool {
-    properties.as_object().is_some_and(|properties| {
-        !properties.is_empty() && properties.values().all(|field| field.get("$ref").is_none())
-    })
+/// What a JSON Schema says of a field.
+enum Listing {
+    Listed,
+    /// Nothing: there may be fields that it does not list.
+    Open,
+    /// It lists the fields there, and this one is not among them.
+    Closed,
+}
+
+fn look_up(schema: &Value, path: &FieldPath) -> Listing {
+    let mut within = schema;
+    for name in path.names() {
+        let properties = within.get("properties").and_then(Value::as_object);
+        let Some(properties) = properties.filter(|properties| !properties.is_empty()) else {
+            return Listing::Open;
+        };
+        match properties.get(name) {
+            Some(field) => within = field,
+            // A schema that refers elsewhere may name more than is seen at a glance.
+            None if properties.values().any(|field| field.get("$ref").is_some()) => {
+                return Listing::Open;
+            }
+            None => return Listing::Closed,
+        }
+    }
+    Listing::Listed
 }
 
 fn has_field(example: &Value, path: &FieldPath) -> bool {
-    path.names()
-        .iter()
+    let mut names = path.names().iter();
+    names
         .try_fold(example, |within, name| within.get(name))
         .is_some()
-}
-
-fn no_such_field(path: &FieldPath, place: &str, object: &Value) -> Unresolved {
-    let keys = object
-        .as_object()
-        .into_iter()
-        .flat_map(|object| object.keys());
-    Unresolved::NoSuchField {
-        path: path.clone(),
-        place: place.to_owned(),
-        available: keys.cloned().collect(),
-    }
 }
 
 /// An object: what is wanted of it goes to the slots, the rest is skipped without being built.
@@ -107,7 +139,7 @@ impl<'de> DeserializeSeed<'de> for MessageSeed<'_> {
     type Value = ();
 
     fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_map(self)
+        deserializer.deserialize_any(self)
     }
 }
 
@@ -116,6 +148,11 @@ impl<'de> Visitor<'de> for MessageSeed<'_> {
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("an object")
+    }
+
+    /// `null` for an object leaves all of its fields missing.
+    fn visit_unit<E: serde::de::Error>(self) -> Result<(), E> {
+        Ok(())
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {

@@ -11,7 +11,7 @@ use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
 use super::{
     Unresolved,
-    field::{FieldPath, FieldTree, FieldValue, Node, Undecodable},
+    field::{FieldPath, FieldTree, FieldValue, Node, Shape, Undecodable, Wanted},
 };
 
 /// Reads the wanted fields of one message type.
@@ -48,8 +48,8 @@ enum Scalar {
 
 impl Decoder {
     /// Resolves fields against a schema: a serialised `FileDescriptorSet` and a message's full name. The
-    /// value of the n-th path goes to slot n.
-    pub fn new(schema_name: &str, schema: &[u8], paths: &[FieldPath]) -> Result<Self, Unresolved> {
+    /// value of the n-th field goes to slot n.
+    pub fn new(schema_name: &str, schema: &[u8], wanted: &[Wanted]) -> Result<Self, Unresolved> {
         let unreadable = |problem: String| Unresolved::Schema { problem };
         let pool = DescriptorPool::decode(schema)
             .map_err(|error| unreadable(format!("its protobuf schema cannot be read: {error}")))?;
@@ -59,22 +59,24 @@ impl Decoder {
             ))
         })?;
         let mut fields = FieldTree::new();
-        for (slot, path) in paths.iter().enumerate() {
-            let chain = resolve(&message, path)?;
-            let last = chain.last().expect("a path has at least one name");
-            let leaf = Leaf {
-                slot,
-                scalar: Scalar::of(last).ok_or_else(|| Unresolved::NotANumber {
-                    path: path.clone(),
-                    kind: kind_name(last),
-                })?,
-                is_list: last.is_list(),
-                has_presence: last.supports_presence(),
-            };
-            let numbers: Vec<u32> = chain.iter().map(FieldDescriptor::number).collect();
-            fields.insert(&numbers, leaf);
+        let mut all_lacking: Option<Unresolved> = None;
+        for (slot, wanted) in wanted.iter().enumerate() {
+            match (resolve(&message, &wanted.path), &mut all_lacking) {
+                (Ok(chain), _) => {
+                    let last = chain.last().expect("a path has at least one name");
+                    let numbers: Vec<u32> = chain.iter().map(FieldDescriptor::number).collect();
+                    fields.insert(&numbers, Leaf::new(slot, last, wanted)?);
+                }
+                // All of them are told at once.
+                (
+                    Err(Unresolved::NoSuchField { lacking: more, .. }),
+                    Some(Unresolved::NoSuchField { lacking, .. }),
+                ) => lacking.extend(more),
+                (Err(first @ Unresolved::NoSuchField { .. }), none) => *none = Some(first),
+                (Err(other), _) => return Err(other),
+            }
         }
-        Ok(Self { fields })
+        all_lacking.map_or(Ok(Self { fields }), Err)
     }
 
     /// Reads a message's wanted fields into their slots, which must be cleared.
@@ -101,7 +103,7 @@ fn resolve(
         let field = parent
             .get_field_by_name(name)
             .ok_or_else(|| Unresolved::NoSuchField {
-                path: path.clone(),
+                lacking: vec![path.clone()],
                 place: parent.full_name().to_owned(),
                 available: parent.fields().map(|f| f.name().to_owned()).collect(),
             })?;
@@ -114,12 +116,35 @@ fn resolve(
     Ok(chain)
 }
 
-fn kind_name(field: &FieldDescriptor) -> &'static str {
-    match field.kind() {
-        _ if field.is_map() => "map",
-        Kind::String => "string",
-        Kind::Bytes => "string of bytes",
-        _ => "message",
+impl Leaf {
+    fn new(slot: usize, field: &FieldDescriptor, wanted: &Wanted) -> Result<Self, Unresolved> {
+        let wrong = |kind| Unresolved::WrongShape {
+            path: wanted.path.clone(),
+            wanted: match wanted.shape {
+                Shape::Number => "a number",
+                Shape::List => "a list of numbers",
+            },
+            kind,
+        };
+        let scalar = Scalar::of(field).ok_or_else(|| {
+            wrong(match field.kind() {
+                _ if field.is_map() => "map",
+                Kind::String => "string",
+                Kind::Bytes => "string of bytes",
+                _ => "message",
+            })
+        })?;
+        match (wanted.shape, field.is_list()) {
+            (Shape::Number, true) => return Err(wrong("list")),
+            (Shape::List, false) => return Err(wrong("single number")),
+            (Shape::Number, false) | (Shape::List, true) => {}
+        }
+        Ok(Self {
+            slot,
+            scalar,
+            is_list: field.is_list(),
+            has_presence: field.supports_presence(),
+        })
     }
 }
 

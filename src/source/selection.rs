@@ -5,8 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use mcap::records::Channel;
 
 use super::{
-    FieldPath, Source, Unresolved,
+    Source, Unresolved,
     channel::ChannelSource,
+    examples::Examples,
+    list,
     profile::{Profile, ProfileChoice},
 };
 use crate::{error::Error, log::Log, sample::Kind};
@@ -47,13 +49,14 @@ impl Source {
             ProfileChoice::Given(profile) => (vec![*profile.clone()], true),
             ProfileChoice::Automatic => (Profile::built_in(), false),
         };
+        let examples = Examples::new(log);
         let mut misfits = Vec::new();
         for profile in profiles {
             if !given && !profile.automatic {
                 continue;
             }
             let name = profile.name.clone();
-            match fit(log, profile) {
+            match fit(log, &examples, profile) {
                 Ok(source) => return Ok(source),
                 Err(Misfit::Lacking(problem)) => misfits.push((name, problem)),
                 Err(Misfit::Several(topics)) => {
@@ -83,18 +86,18 @@ impl Source {
     }
 }
 
-fn fit(log: &Log, profile: Profile) -> Result<Source, Misfit> {
+fn fit(log: &Log, examples: &Examples, profile: Profile) -> Result<Source, Misfit> {
     let attitude_kinds: &[Kind] = match &profile.velocity {
         Some(velocity) if velocity.topics.is_empty() => &[Kind::Attitude, Kind::Velocity],
         _ => &[Kind::Attitude],
     };
     let attitude = match profile.attitude.topics.as_slice() {
-        [] => find_by_fields(log, &profile, attitude_kinds)?,
+        [] => find_by_fields(log, examples, &profile, attitude_kinds)?,
         topics => {
             let topic = find_by_name(log, topics).ok_or_else(|| {
                 Misfit::Lacking(format!("there is no message on {}", topics.join(" or ")))
             })?;
-            bind(log, &profile, topic, attitude_kinds)?
+            bind(log, examples, &profile, topic, attitude_kinds)?
         }
     };
     let mut channels = attitude.channels;
@@ -104,11 +107,11 @@ fn fit(log: &Log, profile: Profile) -> Result<Source, Misfit> {
         Some(role) => match find_by_name(log, &role.topics) {
             Some(topic) if topic == attitude.topic => {
                 let both = [Kind::Attitude, Kind::Velocity];
-                channels = bind(log, &profile, topic, &both)?.channels;
+                channels = bind(log, examples, &profile, topic, &both)?.channels;
                 Ok(attitude.topic.clone())
             }
             Some(topic) => {
-                let velocity = bind(log, &profile, topic, &[Kind::Velocity])?;
+                let velocity = bind(log, examples, &profile, topic, &[Kind::Velocity])?;
                 channels.extend(velocity.channels);
                 Ok(velocity.topic)
             }
@@ -134,16 +137,31 @@ fn find_by_name<'a>(log: &Log, topics: &'a [String]) -> Option<&'a str> {
 }
 
 /// The one topic whose messages have all of the fields.
-fn find_by_fields(log: &Log, profile: &Profile, kinds: &[Kind]) -> Result<Bound, Misfit> {
+fn find_by_fields(
+    log: &Log,
+    examples: &Examples,
+    profile: &Profile,
+    kinds: &[Kind],
+) -> Result<Bound, Misfit> {
+    let fields = profile.required_fields(kinds);
     let topics: BTreeSet<&str> = channels_with_messages(log)
         .map(|channel| channel.topic.as_str())
         .collect();
     let mut fitting: Vec<Bound> = Vec::new();
+    let mut nearest = (fields.len(), String::new());
     for topic in topics {
-        match bind(log, profile, topic, kinds) {
+        match resolve(log, examples, profile, topic, kinds) {
             Ok(bound) => fitting.push(bound),
-            Err(Misfit::Unreadable(error)) => return Err(error.into()),
-            Err(_) => {}
+            Err(Unresolved::Unreadable(error)) => return Err(error.into()),
+            Err(unresolved) => {
+                let lacking = match &unresolved {
+                    Unresolved::NoSuchField { lacking, .. } => lacking.len(),
+                    _ => fields.len(),
+                };
+                if lacking < nearest.0 {
+                    nearest = (lacking, format!("; {topic} comes closest: {unresolved}"));
+                }
+            }
         }
     }
     match fitting.pop() {
@@ -152,45 +170,39 @@ fn find_by_fields(log: &Log, profile: &Profile, kinds: &[Kind]) -> Result<Bound,
             let topics = fitting.into_iter().chain([last]).map(|bound| bound.topic);
             Err(Misfit::Several(topics.collect()))
         }
-        None => {
-            let fields = profile.required_fields(kinds);
-            Err(Misfit::Lacking(format!(
-                "no topic has messages with the fields {}{}",
-                list(&fields),
-                nearest(log, &fields)
-            )))
-        }
+        None => Err(Misfit::Lacking(format!(
+            "no topic has messages with all of the fields {}{}",
+            list(&fields),
+            nearest.1
+        ))),
     }
 }
 
-/// The topic that has most of the fields, in words; nothing if none has any.
-fn nearest(log: &Log, fields: &[FieldPath]) -> String {
-    let lacking = |channel: &Channel| -> Vec<FieldPath> {
-        let lacks = |field: &&FieldPath| !ChannelSource::has_field(log, channel, field);
-        fields.iter().filter(lacks).cloned().collect()
-    };
-    channels_with_messages(log)
-        .map(|channel| (channel, lacking(channel)))
-        .min_by_key(|(_, lacking)| lacking.len())
-        .filter(|(_, lacking)| lacking.len() < fields.len())
-        .map_or_else(String::new, |(channel, lacking)| {
-            format!(
-                "; {} comes closest and lacks {}",
-                channel.topic,
-                list(&lacking)
-            )
-        })
+/// As [`resolve`], for a topic that the profile names.
+fn bind(
+    log: &Log,
+    examples: &Examples,
+    profile: &Profile,
+    topic: &str,
+    kinds: &[Kind],
+) -> Result<Bound, Misfit> {
+    resolve(log, examples, profile, topic, kinds).map_err(|unresolved| match unresolved {
+        Unresolved::Unreadable(error) => Misfit::Unreadable(error),
+        other => Misfit::Lacking(format!("{topic}: {other}")),
+    })
 }
 
 /// Resolves the profile's fields against every channel of a topic.
-fn bind(log: &Log, profile: &Profile, topic: &str, kinds: &[Kind]) -> Result<Bound, Misfit> {
+fn resolve(
+    log: &Log,
+    examples: &Examples,
+    profile: &Profile,
+    topic: &str,
+    kinds: &[Kind],
+) -> Result<Bound, Unresolved> {
     let mut channels = BTreeMap::new();
     for channel in channels_with_messages(log).filter(|channel| channel.topic == topic) {
-        let source = ChannelSource::new(log, channel, profile, kinds);
-        let source = source.map_err(|unresolved| match unresolved {
-            Unresolved::Unreadable(error) => Misfit::Unreadable(error),
-            other => Misfit::Lacking(format!("{topic}: {other}")),
-        })?;
+        let source = ChannelSource::new(log, examples, channel, profile, kinds)?;
         channels.insert(channel.id, source);
     }
     Ok(Bound {
@@ -228,9 +240,4 @@ fn describe_topics(log: &Log) -> String {
         text.push_str(&format!("\n  and {more} more"));
     }
     text
-}
-
-fn list(fields: &[FieldPath]) -> String {
-    let names: Vec<String> = fields.iter().map(FieldPath::to_string).collect();
-    names.join(", ")
 }
