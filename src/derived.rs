@@ -7,7 +7,9 @@ use crate::{geometry::RollPitchYaw, sample::Stamp};
 /// A derived value and the times of the sample that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Derived {
+    /// The times of the sample.
     pub stamp: Stamp,
+    /// The value itself.
     pub value: Value,
 }
 
@@ -18,6 +20,7 @@ pub enum Value {
     RelativeRpy {
         /// Nanoseconds since the previous sample.
         interval: u64,
+        /// The turn, radians.
         rpy: RollPitchYaw,
     },
     /// The drone's velocity over ground in the camera's axes, m/s.
@@ -28,11 +31,14 @@ pub enum Value {
 /// order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
+    /// How the camera turned since the previous attitude sample.
     RelativeRpy,
+    /// The drone's velocity in the camera's axes.
     CameraVelocity,
 }
 
 impl Quantity {
+    /// All of them, in their order.
     pub const ALL: [Quantity; 2] = [Quantity::RelativeRpy, Quantity::CameraVelocity];
 
     /// The topic that it is written to.
@@ -45,6 +51,7 @@ impl Quantity {
 }
 
 impl Derived {
+    /// Which quantity it is.
     pub fn quantity(&self) -> Quantity {
         match self.value {
             Value::RelativeRpy { .. } => Quantity::RelativeRpy,

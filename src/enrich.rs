@@ -17,7 +17,9 @@ use crate::{
 /// How far a run is, in bytes: of the telemetry read, and of the log copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
+    /// Bytes done so far.
     pub done: u64,
+    /// Bytes to do in all.
     pub total: u64,
 }
 

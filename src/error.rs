@@ -8,6 +8,8 @@ use std::{
 /// Why a log could not be enriched. Every message names the file, the cause, and the way out.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
 pub enum Error {
     #[error("{}: {action}: {source}", path.display())]
     Io {

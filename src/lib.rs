@@ -44,6 +44,7 @@
 //! Angles are radians, except in the command line and in profiles, which say so. Velocities are metres per
 //! second over ground, times nanoseconds of log time. Frames are in [`geometry`].
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 pub mod derived;
 pub mod enrich;

@@ -33,13 +33,16 @@ use summary::Ending;
 /// An open log.
 #[derive(Debug)]
 pub struct Log {
+    /// Where its bytes are.
     pub file: LogFile,
+    /// The log's first record: the profile that it follows, the library that wrote it.
     pub header: Header,
     /// Where the data section ends: its DataEnd record, the footer where there is none, or the end of the
     /// last whole record of a log that breaks off.
     pub data_end: u64,
     /// The checksum of the data section, where the log has one.
     pub data_crc: Option<u32>,
+    /// What it holds.
     pub contents: Contents,
     /// Why what the log holds had to be found by reading all of it, where it had to.
     pub scanned: Option<ScanReason>,
@@ -209,6 +212,7 @@ pub struct SegmentReader<'a> {
 }
 
 impl<'a> SegmentReader<'a> {
+    /// Of a log, with nothing read yet.
     pub fn new(log: &'a Log) -> Self {
         Self {
             file: &log.file,

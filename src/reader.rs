@@ -62,6 +62,7 @@ impl Held {
 }
 
 impl<'a> Reader<'a> {
+    /// Over the samples that `source` finds in `log`.
     pub fn new(log: &'a Log, source: Source) -> Self {
         let wanted = source.channel_ids();
         let has_telemetry =

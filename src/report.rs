@@ -21,19 +21,31 @@ use crate::{
 /// What a run did. As JSON it is what scripts read, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
+    /// The log.
     #[serde(serialize_with = "lossy")]
     pub input: PathBuf,
+    /// The result.
     #[serde(serialize_with = "lossy")]
     pub output: PathBuf,
+    /// How the log names its telemetry.
     pub profile: ProfileReport,
+    /// The depression angle, degrees below the horizon.
     pub depression_deg: f64,
+    /// The longest time between two attitude samples that belong together, seconds.
     pub max_gap_s: f64,
+    /// What became of the attitude samples.
     pub attitude: SampleReport,
+    /// What became of the velocity samples.
     pub velocity: SampleReport,
+    /// How often the chain of attitude samples broke.
     pub breaks: Breaks,
+    /// The topics that the result has and the log had not.
     pub written: Vec<WrittenTopic>,
+    /// The topics that it could have had.
     pub not_written: Vec<MissingTopic>,
+    /// Bytes taken over from the log as they were.
     pub bytes_copied: u64,
+    /// Bytes behind them.
     pub bytes_appended: u64,
     /// Whether everything in the input could be read.
     pub complete: bool,
@@ -44,6 +56,7 @@ pub struct Report {
 /// The profile that was used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ProfileReport {
+    /// As the profile calls itself.
     pub name: String,
     /// Why this one, in words.
     pub reason: String,
@@ -54,6 +67,7 @@ pub struct ProfileReport {
 pub struct SampleReport {
     /// Where the samples come from; absent where the log has none.
     pub topic: Option<String>,
+    /// How many were used, and how many were not, for which reason.
     #[serde(flatten)]
     pub tally: Tally,
 }
@@ -61,14 +75,18 @@ pub struct SampleReport {
 /// A topic of the result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct WrittenTopic {
+    /// Its name.
     pub topic: &'static str,
+    /// The full name of its message type.
     pub schema: &'static str,
+    /// How many it has.
     pub messages: u64,
 }
 
 /// A topic that the result does not have.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct MissingTopic {
+    /// Its name.
     pub topic: &'static str,
     /// Why not, in words.
     pub reason: String,

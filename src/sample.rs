@@ -20,6 +20,7 @@ pub struct Stamp {
 /// The drone's attitude at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeSample {
+    /// Its times.
     pub stamp: Stamp,
     /// `q_ned_drone`: turns FRD coordinates into NED.
     pub orientation: UnitQuaternion<f64>,
@@ -30,6 +31,7 @@ pub struct AttitudeSample {
 /// The drone's velocity at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocitySample {
+    /// Its times.
     pub stamp: Stamp,
     /// Over ground, m/s, NED.
     pub velocity_ned: Vector3<f64>,
@@ -38,11 +40,14 @@ pub struct VelocitySample {
 /// One usable reading of the drone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sample {
+    /// How the drone lay.
     Attitude(AttitudeSample),
+    /// How it moved.
     Velocity(VelocitySample),
 }
 
 impl Sample {
+    /// Its times.
     pub fn stamp(&self) -> Stamp {
         match self {
             Sample::Attitude(sample) => sample.stamp,
@@ -50,6 +55,7 @@ impl Sample {
         }
     }
 
+    /// What it is a reading of.
     pub fn kind(&self) -> Kind {
         match self {
             Sample::Attitude(_) => Kind::Attitude,
@@ -61,7 +67,9 @@ impl Sample {
 /// What a sample is a reading of. The order is that of samples at equal times: a velocity needs the attitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
+    /// How the drone lies.
     Attitude,
+    /// How it moves.
     Velocity,
 }
 
@@ -135,7 +143,9 @@ impl Serialize for DropReason {
 /// How many readings of one kind were used, and how many dropped, by reason.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
+    /// Readings that were used.
     pub used: u64,
+    /// Readings that were not.
     pub dropped: BTreeMap<DropReason, u64>,
 }
 
@@ -156,7 +166,9 @@ impl Tally {
 /// A tally for each kind of sample.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Tallies {
+    /// Of the attitude samples.
     pub attitude: Tally,
+    /// Of the velocity samples.
     pub velocity: Tally,
 }
 

@@ -23,7 +23,9 @@ use profile::{AngleUnit, Orientation, Profile};
 /// The telemetry of one log: which channels have it, and how to read their messages.
 #[derive(Debug)]
 pub struct Source {
+    /// The profile that fits.
     pub profile: Profile,
+    /// The topic with the attitude.
     pub attitude_topic: String,
     /// The topic with the velocity, or why there is none.
     pub velocity_topic: Result<String, String>,

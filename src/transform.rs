@@ -60,7 +60,9 @@ impl Default for MaxGap {
 /// What the transform made of the samples that it was given.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Outcome {
+    /// The samples that were used, and those that were not.
     pub tallies: Tallies,
+    /// How often the chain of attitude samples broke.
     pub breaks: Breaks,
 }
 
@@ -96,6 +98,7 @@ pub struct Transform {
 }
 
 impl Transform {
+    /// Before the first sample.
     pub fn new(depression: DepressionAngle, max_gap: MaxGap) -> Self {
         Self {
             depression,

@@ -14,12 +14,17 @@ use super::record::{Raw, parse};
 /// Everything that the log's records add up to, in memory that does not depend on how many messages it has.
 #[derive(Debug, Clone, Default)]
 pub struct Contents {
+    /// By id.
     pub schemas: BTreeMap<u16, Schema>,
+    /// By id.
     pub channels: BTreeMap<u16, Raw<Channel>>,
     /// Where the messages lie, in the order of the file.
     pub segments: Vec<Segment>,
+    /// Where the attachments lie.
     pub attachments: Vec<Raw<AttachmentIndex>>,
+    /// Where the Metadata records lie.
     pub metadata: Vec<Raw<MetadataIndex>>,
+    /// Counted over what is listed here, whatever the log's own said.
     pub statistics: Statistics,
     /// Channel ids that the log's summary mentions, though perhaps nothing else does.
     pub mentioned_channel_ids: BTreeSet<u16>,
@@ -30,8 +35,11 @@ pub struct Contents {
 /// A schema, as its record says it.
 #[derive(Debug, Clone)]
 pub struct Schema {
+    /// Not 0, which means "no schema".
     pub id: u16,
+    /// What the channel's message type is called in it.
     pub name: String,
+    /// In which language it is written: `protobuf`, `jsonschema`, …
     pub encoding: String,
     /// The whole body of the schema's record.
     pub body: Vec<u8>,
@@ -79,12 +87,16 @@ pub struct Segment {
     pub times: Option<(u64, u64)>,
     /// Messages by channel id.
     pub message_counts: BTreeMap<u16, u64>,
+    /// What holds the messages.
     pub kind: SegmentKind,
 }
 
+/// What holds the messages of a segment.
 #[derive(Debug, Clone)]
 pub enum SegmentKind {
+    /// A chunk.
     Chunk {
+        /// Its record in the summary.
         index: Raw<ChunkIndex>,
         /// Whether message indexes lie in the log for all of the chunk's messages. Where they do not, the
         /// chunk index points to none.

@@ -13,9 +13,11 @@ const MESSAGE_HEADER_LENGTH: usize = 2 + 4 + 8 + 8;
 /// One record, still in the buffer that it was read into.
 #[derive(Debug, Clone, Copy)]
 pub struct RawRecord<'a> {
+    /// What kind of record it is ([`mcap::records::op`]).
     pub opcode: u8,
     /// Where the record starts in its buffer.
     pub offset: usize,
+    /// The bytes behind its opcode and length.
     pub body: &'a [u8],
 }
 
@@ -23,6 +25,7 @@ pub struct RawRecord<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("a record breaks off")]
 pub struct Torn {
+    /// Where it starts in its buffer.
     pub offset: usize,
 }
 
@@ -34,6 +37,7 @@ pub struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
+    /// Of a buffer that starts with a record.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, position: 0 }
     }
@@ -75,9 +79,13 @@ pub fn split_frame(bytes: &[u8]) -> Option<(u8, u64)> {
 /// A message, its payload still in the buffer that it was read into.
 #[derive(Debug, Clone, Copy)]
 pub struct RawMessage<'a> {
+    /// The channel that it belongs to.
     pub channel_id: u16,
+    /// Nanoseconds; when it was recorded.
     pub log_time: u64,
+    /// Nanoseconds; when it was published.
     pub publish_time: u64,
+    /// The message itself, in the channel's encoding.
     pub payload: &'a [u8],
 }
 
@@ -99,7 +107,9 @@ impl<'a> RawMessage<'a> {
 /// record; writing the body again keeps them.
 #[derive(Debug, Clone)]
 pub struct Raw<T> {
+    /// What the bytes say.
     pub record: T,
+    /// The bytes, without opcode and length.
     pub body: Vec<u8>,
 }
 
@@ -107,6 +117,7 @@ impl<T> Raw<T>
 where
     T: for<'a> BinRead<Args<'a> = ()> + for<'a> BinWrite<Args<'a> = ()>,
 {
+    /// Reads a record's body.
     pub fn parse(body: &[u8]) -> binrw::BinResult<Self> {
         Ok(Self {
             record: parse(body)?,
@@ -114,6 +125,7 @@ where
         })
     }
 
+    /// A record that is not in the log yet.
     pub fn new(record: T) -> Self {
         let body = serialize(&record);
         Self { record, body }

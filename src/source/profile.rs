@@ -13,6 +13,7 @@ use crate::{error::Error, sample::Kind};
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
+    /// What the report calls it.
     pub name: String,
     /// One line for people.
     #[serde(default)]
@@ -20,6 +21,7 @@ pub struct Profile {
     /// Whether the profile is tried on a log for which none was named.
     #[serde(default = "yes")]
     pub automatic: bool,
+    /// Where the drone's attitude is.
     pub attitude: AttitudeRole,
     /// Without it there is no velocity in the result.
     pub velocity: Option<VelocityRole>,
@@ -32,7 +34,9 @@ pub struct AttitudeRole {
     /// Topics in order of preference. Empty: any one topic whose messages have all of the fields.
     #[serde(default)]
     pub topics: Vec<String>,
+    /// How the drone lies.
     pub orientation: Orientation,
+    /// A count of the estimator's jumps.
     pub reset_counter: Option<OptionalField>,
 }
 
@@ -44,21 +48,29 @@ pub enum Orientation {
     Quaternion(FieldPath),
     /// Fixed-axis roll, pitch, yaw (intrinsic ZYX).
     Euler {
+        /// About the front axis.
         roll: FieldPath,
+        /// About the right axis.
         pitch: FieldPath,
+        /// About the down axis.
         yaw: FieldPath,
+        /// Of all three.
         unit: AngleUnit,
     },
 }
 
+/// The unit of an angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AngleUnit {
+    /// One turn is 2π.
     Radians,
+    /// One turn is 360.
     Degrees,
 }
 
 impl AngleUnit {
+    /// An angle of this unit in radians.
     pub fn to_radians(self, angle: f64) -> f64 {
         match self {
             AngleUnit::Radians => angle,
@@ -71,6 +83,7 @@ impl AngleUnit {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct OptionalField {
+    /// The field.
     pub field: FieldPath,
     /// Whether a schema without the field is fine.
     #[serde(default)]

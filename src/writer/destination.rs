@@ -56,6 +56,7 @@ impl Destination {
         })
     }
 
+    /// The file's name.
     pub fn path(&self) -> &Path {
         &self.path
     }
