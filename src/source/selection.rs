@@ -44,60 +44,59 @@ impl Source {
     /// # Errors
     /// The profile does not fit the log, or none does; the message says what was looked for.
     pub fn select(log: &Log, choice: &ProfileChoice) -> Result<Self, Error> {
-        let path = || log.file.path().to_owned();
-        let (profiles, given) = match choice {
-            ProfileChoice::Given(profile) => (vec![*profile.clone()], true),
-            ProfileChoice::Automatic => (Profile::built_in(), false),
-        };
         let examples = Examples::new(log);
-        let mut misfits = Vec::new();
-        for profile in profiles {
-            if !given && !profile.automatic {
-                continue;
+        let profiles = match choice {
+            ProfileChoice::Given(profile) => {
+                return fit(log, &examples, profile)
+                    .map_err(|misfit| misfit.into_error(log, profile));
             }
-            let name = profile.name.clone();
+            ProfileChoice::Automatic => Profile::built_in(),
+        };
+        let mut looked_for = String::new();
+        for profile in profiles.iter().filter(|profile| profile.automatic) {
             match fit(log, &examples, profile) {
-                Ok(source) => return Ok(source),
-                Err(Misfit::Lacking(problem)) => misfits.push((name, problem)),
-                Err(Misfit::Several(topics)) => {
-                    return Err(Error::SeveralTopicsFit {
-                        path: path(),
-                        topics,
-                    });
+                Err(Misfit::Lacking(problem)) => {
+                    looked_for.push_str(&format!("\n  {}: {problem}", profile.name));
                 }
-                Err(Misfit::Unreadable(error)) => return Err(error),
+                found => return found.map_err(|misfit| misfit.into_error(log, profile)),
             }
         }
-        let topics = describe_topics(log);
-        Err(match misfits.pop() {
-            Some((profile, problem)) if given => Error::ProfileDoesNotFit {
-                path: path(),
-                profile,
-                problem: format!("{problem}\n{topics}"),
-            },
-            last => Error::NoTelemetry {
-                path: path(),
-                looked_for: (misfits.into_iter().chain(last))
-                    .map(|(profile, problem)| format!("\n  {profile}: {problem}"))
-                    .collect(),
-                topics,
-            },
+        Err(Error::NoTelemetry {
+            path: log.file.path().into(),
+            looked_for,
+            topics: describe_topics(log),
         })
     }
 }
 
-fn fit(log: &Log, examples: &Examples, profile: Profile) -> Result<Source, Misfit> {
+impl Misfit {
+    /// The error for a log that this profile, and no other, should fit.
+    fn into_error(self, log: &Log, profile: &Profile) -> Error {
+        let path = log.file.path().to_owned();
+        match self {
+            Self::Lacking(problem) => Error::ProfileDoesNotFit {
+                path,
+                profile: profile.name.clone(),
+                problem: format!("{problem}\n{}", describe_topics(log)),
+            },
+            Self::Several(topics) => Error::SeveralTopicsFit { path, topics },
+            Self::Unreadable(error) => error,
+        }
+    }
+}
+
+fn fit(log: &Log, examples: &Examples, profile: &Profile) -> Result<Source, Misfit> {
     let attitude_kinds: &[Kind] = match &profile.velocity {
         Some(velocity) if velocity.topics.is_empty() => &[Kind::Attitude, Kind::Velocity],
         _ => &[Kind::Attitude],
     };
     let attitude = match profile.attitude.topics.as_slice() {
-        [] => find_by_fields(log, examples, &profile, attitude_kinds)?,
+        [] => find_by_fields(log, examples, profile, attitude_kinds)?,
         topics => {
             let topic = find_by_name(log, topics).ok_or_else(|| {
                 Misfit::Lacking(format!("there is no message on {}", topics.join(" or ")))
             })?;
-            bind(log, examples, &profile, topic, attitude_kinds)?
+            bind(log, examples, profile, topic, attitude_kinds)?
         }
     };
     let mut channels = attitude.channels;
@@ -107,11 +106,11 @@ fn fit(log: &Log, examples: &Examples, profile: Profile) -> Result<Source, Misfi
         Some(role) => match find_by_name(log, &role.topics) {
             Some(topic) if topic == attitude.topic => {
                 let both = [Kind::Attitude, Kind::Velocity];
-                channels = bind(log, examples, &profile, topic, &both)?.channels;
+                channels = bind(log, examples, profile, topic, &both)?.channels;
                 Ok(attitude.topic.clone())
             }
             Some(topic) => {
-                let velocity = bind(log, examples, &profile, topic, &[Kind::Velocity])?;
+                let velocity = bind(log, examples, profile, topic, &[Kind::Velocity])?;
                 channels.extend(velocity.channels);
                 Ok(velocity.topic)
             }
@@ -125,7 +124,7 @@ fn fit(log: &Log, examples: &Examples, profile: Profile) -> Result<Source, Misfi
         attitude_topic: attitude.topic,
         velocity_topic,
         channels,
-        profile,
+        profile: profile.clone(),
     })
 }
 
