@@ -30,6 +30,9 @@ use record::{RawMessage, Records, parse};
 use scan::{Collector, Step, Walker};
 use summary::Ending;
 
+/// A longer payload is none that [`Log::first_payloads`] gives.
+const LONGEST_EXAMPLE: usize = 64 * 1024;
+
 /// An open log.
 #[derive(Debug)]
 pub struct Log {
@@ -93,11 +96,8 @@ impl Log {
     /// Reads the log from start to end, which its `ending` may tell.
     fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, Error> {
         let known_end = ending.as_ref().map(|ending| ending.data_end);
-        let mut walker = Walker::new(
-            &file,
-            mcap::MAGIC.len() as u64,
-            known_end.unwrap_or(file.len()),
-        );
+        let end = known_end.unwrap_or(file.len());
+        let mut walker = Walker::new(&file, mcap::MAGIC.len() as u64, end);
         let mut collector = Collector::default();
         let mut data_crc = ending.as_ref().and_then(|ending| ending.data_crc);
         let mut breaks_off_at = None;
@@ -111,13 +111,12 @@ impl Log {
                 }
                 Step::Record(frame) if frame.opcode == op::FOOTER => break frame.offset,
                 Step::Record(frame) => collector.record(&mut walker, &frame)?,
-                Step::End if known_end.is_some() => break walker.end(),
                 Step::Torn { offset } if known_end.is_some() => {
                     return Err(file.corrupt(offset, "what is there is not a record"));
                 }
                 Step::End => {
-                    breaks_off_at = Some(file.len());
-                    break file.len();
+                    breaks_off_at = known_end.is_none().then_some(end);
+                    break end;
                 }
                 Step::Torn { offset } => {
                     breaks_off_at = Some(offset);
@@ -192,9 +191,12 @@ impl Log {
             }
             for message in segments.read(segment)? {
                 let (_, message) = message?;
+                if !pending.contains(&message.channel_id) || message.payload.len() > LONGEST_EXAMPLE
+                {
+                    continue;
+                }
                 let of_channel = payloads.entry(message.channel_id).or_default();
-                let is_wanted = pending.contains(&message.channel_id) && of_channel.len() < most;
-                if is_wanted && message.payload.len() <= 64 * 1024 {
+                if of_channel.len() < most {
                     of_channel.push(message.payload.to_vec());
                 }
             }

@@ -34,10 +34,10 @@ pub struct Reader<'a> {
     bytes_read: u64,
 }
 
-/// A sample that waits for its turn, and its message's number in the segment.
+/// A sample that waits for its turn, and its message's offset in the segment.
 struct Held {
     sample: Sample,
-    number: usize,
+    offset: u64,
 }
 
 /// Where a sample stands in the order.
@@ -47,7 +47,7 @@ struct Place {
     kind: Kind,
     /// Offset of the segment in the file.
     segment: u64,
-    number: usize,
+    offset: u64,
 }
 
 impl Held {
@@ -56,7 +56,7 @@ impl Held {
             time: self.sample.stamp().log_time,
             kind: self.sample.kind(),
             segment,
-            number: self.number,
+            offset: self.offset,
         }
     }
 }
@@ -105,8 +105,8 @@ impl<'a> Reader<'a> {
 
     fn read_segment(&mut self, start: u64, segment: &Segment) -> Result<(), Error> {
         let mut run = Vec::new();
-        for (number, message) in self.messages.read(segment)?.enumerate() {
-            let (_, message) = message?;
+        for message in self.messages.read(segment)? {
+            let (offset, message) = message?;
             if message.log_time < start {
                 return Err(self.log.file.corrupt(
                     segment.offset,
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
                 ));
             }
             self.source.read(&message, |kind, sample| match sample {
-                Ok(sample) => run.push(Held { sample, number }),
+                Ok(sample) => run.push(Held { sample, offset }),
                 Err(reason) => self.dropped[kind].count_dropped(reason, 1),
             });
         }

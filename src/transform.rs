@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::{
     derived::{Derived, Value},
     geometry::{DepressionAngle, camera_orientation, relative_rpy, slerp, velocity_in_camera},
-    sample::{AttitudeSample, DropReason, Sample, Tallies, VelocitySample},
+    sample::{AttitudeSample, DropReason, Kind, Sample, Tallies, VelocitySample},
 };
 
 /// The longest time between two attitude samples that still belong together. Across a longer one there is
@@ -123,7 +123,7 @@ impl Transform {
     /// Ends the run: what still waits for an attitude will not get one.
     pub fn finish(mut self) -> Outcome {
         let unreached = self.waiting.len() as u64 + self.out_of_reach;
-        self.drop_velocities(DropReason::OutsideAttitude, unreached);
+        self.count_dropped(Kind::Velocity, DropReason::OutsideAttitude, unreached);
         self.outcome
     }
 
@@ -131,10 +131,7 @@ impl Transform {
         let time = sample.stamp.log_time;
         if let Some(previous) = self.attitude {
             if previous.stamp.log_time == time {
-                self.outcome
-                    .tallies
-                    .attitude
-                    .count_dropped(DropReason::DuplicateTime, 1);
+                self.count_dropped(Kind::Attitude, DropReason::DuplicateTime, 1);
                 return;
             }
             self.interpolate_waiting(&previous, &sample, out);
@@ -143,10 +140,7 @@ impl Transform {
         self.attitude = Some(sample);
 
         let Some(camera) = camera_orientation(&sample.orientation, self.depression) else {
-            self.outcome
-                .tallies
-                .attitude
-                .count_dropped(DropReason::UndefinedHeading, 1);
+            self.count_dropped(Kind::Attitude, DropReason::UndefinedHeading, 1);
             return;
         };
         self.outcome.tallies.attitude.used += 1;
@@ -168,11 +162,11 @@ impl Transform {
     fn push_velocity(&mut self, sample: VelocitySample, out: &mut Vec<Derived>) {
         let time = sample.stamp.log_time;
         if self.last_velocity_time.replace(time) == Some(time) {
-            self.drop_velocities(DropReason::DuplicateTime, 1);
+            self.count_dropped(Kind::Velocity, DropReason::DuplicateTime, 1);
             return;
         }
         match self.attitude {
-            None => self.drop_velocities(DropReason::OutsideAttitude, 1),
+            None => self.count_dropped(Kind::Velocity, DropReason::OutsideAttitude, 1),
             Some(attitude) if attitude.stamp.log_time == time => {
                 let camera = camera_orientation(&attitude.orientation, self.depression);
                 self.derive_velocity(&sample, camera, out);
@@ -192,7 +186,7 @@ impl Transform {
         out: &mut Vec<Derived>,
     ) {
         let out_of_reach = std::mem::take(&mut self.out_of_reach);
-        self.drop_velocities(DropReason::InAttitudeGap, out_of_reach);
+        self.count_dropped(Kind::Velocity, DropReason::InAttitudeGap, out_of_reach);
 
         let waiting = std::mem::take(&mut self.waiting);
         let reason = match self.break_between(before, after) {
@@ -201,7 +195,7 @@ impl Transform {
             None => None,
         };
         if let Some(reason) = reason {
-            self.drop_velocities(reason, waiting.len() as u64);
+            self.count_dropped(Kind::Velocity, reason, waiting.len() as u64);
             return;
         }
         let start = before.stamp.log_time;
@@ -221,7 +215,7 @@ impl Transform {
         out: &mut Vec<Derived>,
     ) {
         let Some(camera) = camera else {
-            self.drop_velocities(DropReason::UndefinedHeading, 1);
+            self.count_dropped(Kind::Velocity, DropReason::UndefinedHeading, 1);
             return;
         };
         self.outcome.tallies.velocity.used += 1;
@@ -231,8 +225,8 @@ impl Transform {
         });
     }
 
-    fn drop_velocities(&mut self, reason: DropReason, count: u64) {
-        self.outcome.tallies.velocity.count_dropped(reason, count);
+    fn count_dropped(&mut self, kind: Kind, reason: DropReason, count: u64) {
+        self.outcome.tallies[kind].count_dropped(reason, count);
     }
 
     fn break_between(&self, before: &AttitudeSample, after: &AttitudeSample) -> Option<Break> {

@@ -6,7 +6,7 @@ use std::{
 };
 
 use mcap::records::{
-    AttachmentIndex, Channel, ChunkIndex, MetadataIndex, SchemaHeader, Statistics,
+    AttachmentIndex, Channel, ChunkIndex, MetadataIndex, SchemaHeader, Statistics, op,
 };
 
 use super::record::{Raw, parse};
@@ -14,10 +14,8 @@ use super::record::{Raw, parse};
 /// Everything that the log's records add up to, in memory that does not depend on how many messages it has.
 #[derive(Debug, Clone, Default)]
 pub struct Contents {
-    /// By id.
-    pub schemas: BTreeMap<u16, Schema>,
-    /// By id.
-    pub channels: BTreeMap<u16, Raw<Channel>>,
+    /// The schemas and channels that are defined.
+    pub definitions: Definitions,
     /// Where the messages lie, in the order of the file.
     pub segments: Vec<Segment>,
     /// Where the attachments lie.
@@ -30,6 +28,29 @@ pub struct Contents {
     pub mentioned_channel_ids: BTreeSet<u16>,
     /// Records of the summary section whose meaning this program does not know: opcode and body.
     pub unknown_summary: Vec<(u8, Vec<u8>)>,
+}
+
+/// Schemas and channels by their ids; of several records with one id, the first.
+#[derive(Debug, Clone, Default)]
+pub struct Definitions {
+    /// By id.
+    pub schemas: BTreeMap<u16, Schema>,
+    /// By id.
+    pub channels: BTreeMap<u16, Raw<Channel>>,
+}
+
+impl Definitions {
+    /// Takes the body of a schema record or else of a channel record; `None` if it cannot be read.
+    pub fn add(&mut self, opcode: u8, body: &[u8]) -> Option<()> {
+        if opcode == op::SCHEMA {
+            let schema = Schema::parse(body)?;
+            self.schemas.entry(schema.id).or_insert(schema);
+        } else {
+            let channel = Raw::<Channel>::parse(body).ok()?;
+            self.channels.entry(channel.record.id).or_insert(channel);
+        }
+        Some(())
+    }
 }
 
 /// A schema, as its record says it.
@@ -117,7 +138,8 @@ impl Contents {
     /// The channel ids that stand anywhere in the log.
     pub fn channel_ids(&self) -> BTreeSet<u16> {
         let segments = self.segments.iter().flat_map(|s| s.message_counts.keys());
-        self.channels
+        self.definitions
+            .channels
             .keys()
             .chain(segments)
             .chain(&self.mentioned_channel_ids)
@@ -128,10 +150,12 @@ impl Contents {
     /// The schema ids that stand anywhere in the log.
     pub fn schema_ids(&self) -> BTreeSet<u16> {
         let named = self
+            .definitions
             .channels
             .values()
             .map(|channel| channel.record.schema_id);
-        self.schemas
+        self.definitions
+            .schemas
             .keys()
             .copied()
             .chain(named)
@@ -141,7 +165,7 @@ impl Contents {
 
     /// The schema of a channel; `None` where it has none or names one that the log does not hold.
     pub fn schema_of(&self, channel: &Channel) -> Option<&Schema> {
-        self.schemas.get(&channel.schema_id)
+        self.definitions.schemas.get(&channel.schema_id)
     }
 
     /// Statistics of what is listed here, whatever the log's own said.
@@ -158,8 +182,8 @@ impl Contents {
         Statistics {
             message_count: counts.values().sum(),
             // At most 65535: the id 0 means "no schema".
-            schema_count: self.schemas.len() as u16,
-            channel_count: self.channels.len() as u32,
+            schema_count: self.definitions.schemas.len() as u16,
+            channel_count: self.definitions.channels.len() as u32,
             attachment_count: self.attachments.len() as u32,
             metadata_count: self.metadata.len() as u32,
             chunk_count: chunks.count() as u32,

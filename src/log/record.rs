@@ -8,7 +8,7 @@ use binrw::{BinRead, BinWrite};
 pub const FRAME_LENGTH: usize = 1 + 8;
 
 /// Bytes of a message record's body before the payload.
-const MESSAGE_HEADER_LENGTH: usize = 2 + 4 + 8 + 8;
+pub(super) const MESSAGE_HEADER_LENGTH: usize = 2 + 4 + 8 + 8;
 
 /// One record, still in the buffer that it was read into.
 #[derive(Debug, Clone, Copy)]

@@ -3,15 +3,14 @@
 use std::collections::BTreeMap;
 
 use mcap::records::{
-    AttachmentHeader, AttachmentIndex, Channel, ChunkIndex, MessageIndex, Metadata, MetadataIndex,
-    op,
+    AttachmentHeader, AttachmentIndex, ChunkIndex, MessageIndex, Metadata, MetadataIndex, op,
 };
 
 use super::{
     chunk::ChunkReader,
-    contents::{Contents, Schema, Segment, SegmentKind},
+    contents::{Contents, Segment, SegmentKind},
     file::LogFile,
-    record::{FRAME_LENGTH, Raw, RawMessage, parse, split_frame},
+    record::{FRAME_LENGTH, MESSAGE_HEADER_LENGTH, Raw, RawMessage, parse, split_frame},
 };
 use crate::error::Error;
 
@@ -75,11 +74,6 @@ impl<'a> Walker<'a> {
             window: Vec::new(),
             window_start: 0,
         }
-    }
-
-    /// Where the stretch ends.
-    pub fn end(&self) -> u64 {
-        self.end
     }
 
     pub fn step(&mut self) -> Result<Step, Error> {
@@ -165,12 +159,14 @@ impl Collector {
         match frame.opcode {
             op::SCHEMA | op::CHANNEL => {
                 let body = walker.body(frame, u64::MAX)?;
-                define(&mut self.contents, frame.opcode, body)
+                self.contents
+                    .definitions
+                    .add(frame.opcode, body)
                     .ok_or_else(|| malformed("schema or channel"))?;
             }
             op::MESSAGE => {
                 // The payload is of no interest here.
-                let message = RawMessage::parse(walker.body(frame, 22)?)
+                let message = RawMessage::parse(walker.body(frame, MESSAGE_HEADER_LENGTH as u64)?)
                     .ok_or_else(|| malformed("message"))?;
                 self.loose_message(frame, message.channel_id, message.log_time);
             }
@@ -250,7 +246,10 @@ impl Collector {
             let record = record.map_err(|_| malformed())?;
             match record.opcode {
                 op::SCHEMA | op::CHANNEL => {
-                    define(&mut self.contents, record.opcode, record.body).ok_or_else(malformed)?;
+                    self.contents
+                        .definitions
+                        .add(record.opcode, record.body)
+                        .ok_or_else(malformed)?;
                 }
                 op::MESSAGE => {
                     let message = RawMessage::parse(record.body).ok_or_else(malformed)?;
@@ -305,21 +304,6 @@ impl Collector {
             },
         });
     }
-}
-
-/// Adds a schema or a channel, unless one of its id is known; `None` if its record cannot be read.
-fn define(contents: &mut Contents, opcode: u8, body: &[u8]) -> Option<()> {
-    if opcode == op::SCHEMA {
-        let schema = Schema::parse(body)?;
-        contents.schemas.entry(schema.id).or_insert(schema);
-    } else {
-        let channel = Raw::<Channel>::parse(body).ok()?;
-        contents
-            .channels
-            .entry(channel.record.id)
-            .or_insert(channel);
-    }
-    Some(())
 }
 
 fn widen(times: Option<(u64, u64)>, time: u64) -> Option<(u64, u64)> {

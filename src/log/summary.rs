@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use mcap::records::{AttachmentIndex, Channel, ChunkIndex, Footer, MetadataIndex, Statistics, op};
+use mcap::records::{AttachmentIndex, ChunkIndex, Footer, MetadataIndex, Statistics, op};
 
 use super::{
-    contents::{Contents, Schema, Segment, SegmentKind},
+    contents::{Contents, Definitions, Segment, SegmentKind},
     file::LogFile,
     record::{FRAME_LENGTH, Raw, Records, parse, split_frame},
     scan::{Collector, Step, Walker},
@@ -35,8 +35,7 @@ pub struct Ending {
 /// The records of a summary section.
 #[derive(Default)]
 pub struct Summary {
-    schemas: BTreeMap<u16, Schema>,
-    channels: BTreeMap<u16, Raw<Channel>>,
+    definitions: Definitions,
     chunk_indexes: Vec<Raw<ChunkIndex>>,
     attachments: Vec<Raw<AttachmentIndex>>,
     metadata: Vec<Raw<MetadataIndex>>,
@@ -103,15 +102,7 @@ impl Summary {
             let record = record.ok()?;
             let body = record.body;
             match record.opcode {
-                op::SCHEMA => {
-                    let schema = Schema::parse(body)?;
-                    summary.schemas.entry(schema.id).or_insert(schema);
-                }
-                op::CHANNEL => {
-                    let channel = Raw::<Channel>::parse(body).ok()?;
-                    let channels = &mut summary.channels;
-                    channels.entry(channel.record.id).or_insert(channel);
-                }
+                op::SCHEMA | op::CHANNEL => summary.definitions.add(record.opcode, body)?,
                 op::CHUNK_INDEX => summary.chunk_indexes.push(Raw::parse(body).ok()?),
                 op::ATTACHMENT_INDEX => summary.attachments.push(Raw::parse(body).ok()?),
                 op::METADATA_INDEX => summary.metadata.push(Raw::parse(body).ok()?),
@@ -138,8 +129,7 @@ impl Summary {
             return Ok(None);
         };
         let mut collector = Collector::with(Contents {
-            schemas: self.schemas.clone(),
-            channels: self.channels.clone(),
+            definitions: self.definitions.clone(),
             ..Contents::default()
         });
         let mut position = mcap::MAGIC.len() as u64;
@@ -166,14 +156,15 @@ impl Summary {
     /// Adds to what was found in the log the definitions that only the summary has, and takes over the bytes
     /// of those of its records that say the same. Whether everything that it points to was found.
     pub fn supplement(&self, contents: &mut Contents) -> bool {
-        for (id, said) in &self.schemas {
-            let found = contents.schemas.entry(*id).or_insert_with(|| said.clone());
+        let Definitions { schemas, channels } = &mut contents.definitions;
+        for (id, said) in &self.definitions.schemas {
+            let found = schemas.entry(*id).or_insert_with(|| said.clone());
             if found.defines_the_same(said) {
                 *found = said.clone();
             }
         }
-        for (id, said) in &self.channels {
-            let found = contents.channels.entry(*id).or_insert_with(|| said.clone());
+        for (id, said) in &self.definitions.channels {
+            let found = channels.entry(*id).or_insert_with(|| said.clone());
             if found.record == said.record {
                 *found = said.clone();
             }
@@ -214,6 +205,7 @@ impl Summary {
 /// Whether a log's own statistics are those of what was found in it, and everything is defined that is used.
 fn agree(statistics: &Statistics, contents: &Contents) -> bool {
     let recount = &contents.statistics;
+    let Definitions { schemas, channels } = &contents.definitions;
     let mut counts = statistics.channel_message_counts.clone();
     counts.retain(|_, count| *count > 0);
     counts == recount.channel_message_counts
@@ -223,8 +215,8 @@ fn agree(statistics: &Statistics, contents: &Contents) -> bool {
         && statistics.chunk_count == recount.chunk_count
         && statistics.schema_count == recount.schema_count
         && statistics.channel_count == recount.channel_count
-        && (contents.channel_ids().iter()).all(|id| contents.channels.contains_key(id))
-        && (contents.schema_ids().iter()).all(|id| contents.schemas.contains_key(id))
+        && (contents.channel_ids().iter()).all(|id| channels.contains_key(id))
+        && (contents.schema_ids().iter()).all(|id| schemas.contains_key(id))
 }
 
 /// Collects the records from `start` to `end`; false where they break off.

@@ -32,7 +32,7 @@ impl<'a> Examples<'a> {
         let payloads = match self.payloads.get() {
             Some(payloads) => payloads,
             None => {
-                let channels = self.log.contents.channels.values();
+                let channels = self.log.contents.definitions.channels.values();
                 let json: BTreeSet<u16> = channels
                     .filter(|channel| channel.record.message_encoding == "json")
                     .map(|channel| channel.record.id)

@@ -212,7 +212,7 @@ fn resolve(
 
 fn channels_with_messages(log: &Log) -> impl Iterator<Item = &Channel> {
     let counts = &log.contents.statistics.channel_message_counts;
-    let channels = log.contents.channels.values();
+    let channels = log.contents.definitions.channels.values();
     channels
         .map(|channel| &channel.record)
         .filter(|channel| counts.get(&channel.id).is_some_and(|&count| count > 0))

@@ -41,19 +41,20 @@ type Output = BufWriter<File>;
 /// Writes a log with new channels.
 pub struct Appender<'a> {
     log: &'a Log,
-    destination: Destination,
     output: Pending,
     writer: mcap::Writer<Region<Output>>,
     seal: Seal,
     /// The chunk indexes of chunks that had no message indexes until now, by the chunks' offsets.
     reindexed: BTreeMap<u64, ChunkIndex>,
     channels: BTreeMap<Quantity, NewChannel>,
+    /// The ids that are in use, the new ones included.
+    schema_ids: BTreeSet<u16>,
+    channel_ids: BTreeSet<u16>,
     payload: Vec<u8>,
 }
 
 struct NewChannel {
     id: u16,
-    schema_id: u16,
     messages: u64,
 }
 
@@ -79,7 +80,7 @@ impl<'a> Appender<'a> {
         destination: &Destination,
         progress: impl FnMut(u64),
     ) -> Result<Self, Error> {
-        let write_error = |source| destination.error(WRITING, source);
+        let write_error = |source| destination.write_error(source);
         let metadata = log.file.handle().metadata();
         let permissions = metadata.map_err(write_error)?.permissions();
         let output = destination.create(permissions)?;
@@ -107,12 +108,13 @@ impl<'a> Appender<'a> {
             .map_err(|error| append_error(destination, error))?;
         Ok(Self {
             log,
-            destination: destination.clone(),
             output,
             writer,
             seal,
             reindexed,
             channels: BTreeMap::new(),
+            schema_ids: log.contents.schema_ids(),
+            channel_ids: log.contents.channel_ids(),
             payload: Vec::new(),
         })
     }
@@ -142,7 +144,7 @@ impl<'a> Appender<'a> {
         encode(derived, &mut self.payload);
         self.writer
             .write_to_known_channel(&header, &self.payload)
-            .map_err(|error| append_error(&self.destination, error))
+            .map_err(|error| append_error(self.output.destination(), error))
     }
 
     /// Completes the output, with `facts` on how its messages were made, and gives it its name.
@@ -151,9 +153,9 @@ impl<'a> Appender<'a> {
     /// The output cannot be written, or something has come to be there meanwhile.
     pub fn finish(mut self, facts: BTreeMap<String, String>) -> Result<Appended, Error> {
         let log = self.log;
-        let destination = self.destination;
-        let write_error = |source| destination.error(WRITING, source);
-        let failed = |error| append_error(&destination, error);
+        let destination = self.output.destination();
+        let write_error = |source| destination.write_error(source);
+        let failed = |error| append_error(destination, error);
 
         let record = provenance::record(self.channels.keys().copied(), facts);
         self.writer.write_metadata(&record).map_err(failed)?;
@@ -199,21 +201,13 @@ impl<'a> Appender<'a> {
     }
 
     fn add_channel(&mut self, quantity: Quantity) -> Result<NewChannel, Error> {
-        let path = self.log.file.path();
-        let contents = &self.log.contents;
-        let new_schemas = self.channels.values().map(|channel| channel.schema_id);
+        let no_free = |what| Error::NoFreeId {
+            path: self.log.file.path().into(),
+            what,
+        };
         // The schema id 0 means "no schema".
-        let used = contents.schema_ids().into_iter().chain(new_schemas);
-        let schema_id = free_id(1, used.collect()).ok_or_else(|| Error::NoFreeId {
-            path: path.into(),
-            what: "schema",
-        })?;
-        let new_channels = self.channels.values().map(|channel| channel.id);
-        let used = contents.channel_ids().into_iter().chain(new_channels);
-        let id = free_id(0, used.collect()).ok_or_else(|| Error::NoFreeId {
-            path: path.into(),
-            what: "channel",
-        })?;
+        let schema_id = take_free_id(&mut self.schema_ids, 1).ok_or_else(|| no_free("schema"))?;
+        let id = take_free_id(&mut self.channel_ids, 0).ok_or_else(|| no_free("channel"))?;
         let schema = messages::schema(quantity);
         let topic = quantity.topic();
         self.writer
@@ -223,12 +217,8 @@ impl<'a> Appender<'a> {
                 self.writer
                     .add_channel_with_id(id, schema_id, topic, "protobuf", &metadata)
             })
-            .map_err(|error| append_error(&self.destination, error))?;
-        Ok(NewChannel {
-            id,
-            schema_id,
-            messages: 0,
-        })
+            .map_err(|error| append_error(self.output.destination(), error))?;
+        Ok(NewChannel { id, messages: 0 })
     }
 }
 
@@ -243,12 +233,9 @@ fn preamble() -> Vec<u8> {
     preamble
 }
 
-/// What the program was doing when the output failed.
-const WRITING: &str = "cannot write the output";
-
 fn append_error(destination: &Destination, error: mcap::McapError) -> Error {
     match error {
-        mcap::McapError::Io(source) => destination.error(WRITING, source),
+        mcap::McapError::Io(source) => destination.write_error(source),
         source => Error::Append {
             path: destination.path().into(),
             source,
@@ -256,14 +243,16 @@ fn append_error(destination: &Destination, error: mcap::McapError) -> Error {
     }
 }
 
-/// The id above the largest in use, else the lowest free one from `lowest` on.
-fn free_id(lowest: u16, used: BTreeSet<u16>) -> Option<u16> {
-    match used.last() {
+/// Uses the id above the largest in use, else the lowest free one from `lowest` on.
+fn take_free_id(used: &mut BTreeSet<u16>, lowest: u16) -> Option<u16> {
+    let id = match used.last() {
         None => Some(lowest),
         Some(largest) => largest
             .checked_add(1)
             .or_else(|| (lowest..=u16::MAX).find(|id| !used.contains(id))),
-    }
+    }?;
+    used.insert(id);
+    Some(id)
 }
 
 /// Copies the log's data section to the start of the output. Between files the system copies without the

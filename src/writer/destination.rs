@@ -89,7 +89,12 @@ impl Destination {
         })
     }
 
-    pub(super) fn error(&self, action: &'static str, source: io::Error) -> Error {
+    /// The error for an output that cannot be written.
+    pub(super) fn write_error(&self, source: io::Error) -> Error {
+        self.error("cannot write the output", source)
+    }
+
+    fn error(&self, action: &'static str, source: io::Error) -> Error {
         Error::io(action, &self.path, source)
     }
 }
@@ -113,13 +118,18 @@ impl Pending {
         self.file.as_file()
     }
 
+    /// Where it will be.
+    pub fn destination(&self) -> &Destination {
+        &self.destination
+    }
+
     /// Makes the file durable and gives it its name.
     ///
     /// # Errors
     /// Something has come to be there meanwhile that may not be overwritten, or the disk fails.
     pub fn commit(self) -> Result<(), Error> {
         let Self { file, destination } = self;
-        let failed = |source| destination.error("cannot write the output", source);
+        let failed = |source| destination.write_error(source);
         file.as_file().sync_all().map_err(failed)?;
         let persisted = if destination.overwrite {
             file.persist(&destination.path)

@@ -38,6 +38,7 @@ pub fn check_topics_are_free(log: &Log) -> Result<(), Error> {
     for quantity in Quantity::ALL {
         let mut channels = log
             .contents
+            .definitions
             .channels
             .values()
             .map(|channel| &channel.record);

@@ -53,7 +53,6 @@ impl<W: Write> Region<W> {
     /// The region that swallows these bytes before all others, and the means to close it.
     pub fn sealable(mut self, preamble: Vec<u8>) -> (Self, Seal) {
         self.preamble = preamble;
-        self.seal = Seal::default();
         let seal = self.seal.clone();
         (self, seal)
     }

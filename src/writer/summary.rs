@@ -26,7 +26,11 @@ pub fn encode(
         offsets: Vec::new(),
     };
 
-    let schemas = contents.schemas.values().map(|schema| schema.body.clone());
+    let schemas = contents
+        .definitions
+        .schemas
+        .values()
+        .map(|schema| schema.body.clone());
     let new_schemas = sorted(&appended.schemas).map(|schema| {
         let mut body = serialize(&mcap::records::SchemaHeader {
             id: schema.id,
@@ -41,6 +45,7 @@ pub fn encode(
     groups.push(op::SCHEMA, schemas.chain(new_schemas));
 
     let channels = contents
+        .definitions
         .channels
         .values()
         .map(|channel| channel.body.clone());
