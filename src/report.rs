@@ -12,7 +12,7 @@ use crate::{
     log::{Log, ScanReason},
     messages,
     options::Options,
-    sample::{DropReason, Tallies, Tally},
+    sample::{DropReason, Kind, Tallies, Tally},
     source::{Source, profile::ProfileChoice},
     transform::{Breaks, Outcome},
     writer::Appended,
@@ -117,11 +117,11 @@ impl<'a> Findings<'a> {
             options,
             attitude: SampleReport {
                 topic: Some(source.attitude_topic.clone()),
-                tally: tallies.attitude,
+                tally: tallies[Kind::Attitude].clone(),
             },
             velocity: SampleReport {
                 topic: source.velocity_topic.clone().ok(),
-                tally: tallies.velocity,
+                tally: tallies[Kind::Velocity].clone(),
             },
             breaks: outcome.breaks,
             source,

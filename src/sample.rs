@@ -6,12 +6,13 @@ use std::{
 };
 
 use nalgebra::{UnitQuaternion, Vector3};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
-/// A message's two times, in nanoseconds since the log's epoch (that of 1970, or the vehicle's boot).
+/// A sample's times, in nanoseconds since the log's epoch (that of 1970, or the vehicle's boot).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stamp {
-    /// When the recorder received the message. This is the time of a sample.
+    /// The time of the sample and of what is derived from it: when the recorder received the message, unless
+    /// the profile or the user asks for another.
     pub log_time: u64,
     /// When the message was published.
     pub publish_time: u64,
@@ -33,8 +34,65 @@ pub struct AttitudeSample {
 pub struct VelocitySample {
     /// Its times.
     pub stamp: Stamp,
-    /// Over ground, m/s, NED.
-    pub velocity_ned: Vector3<f64>,
+    /// Over ground, m/s.
+    pub velocity: Velocity,
+}
+
+/// A velocity over ground in m/s, in the axes in which the log has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Velocity {
+    /// North, east, down.
+    Ned(Vector3<f64>),
+    /// The drone's front, right, down. It takes the attitude at its time to know where that is.
+    Frd(Vector3<f64>),
+}
+
+/// Where the gimbal holds the camera at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GimbalSample {
+    /// Its times.
+    pub stamp: Stamp,
+    /// Turns the camera's coordinates into those of the reference.
+    pub orientation: UnitQuaternion<f64>,
+    /// What the orientation is measured from.
+    pub reference: GimbalReference,
+}
+
+/// What a gimbal's orientation is measured from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GimbalReference {
+    /// North, east, down: yaw from north, roll and pitch from the horizon.
+    Earth,
+    /// The drone's heading, horizontally: yaw from the nose, roll and pitch from the horizon.
+    Heading,
+    /// The airframe's front, right, down: the angles of the joints.
+    Airframe,
+}
+
+/// Where the drone is at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PositionSample {
+    /// Its times.
+    pub stamp: Stamp,
+    /// The place.
+    pub position: Position,
+}
+
+/// A place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Position {
+    /// On the globe.
+    Geodetic {
+        /// Degrees north.
+        latitude: f64,
+        /// Degrees east.
+        longitude: f64,
+        /// Metres above whatever the log takes for zero.
+        altitude: f64,
+    },
+    /// Metres to north, east and down of an origin of the log's own.
+    Local(Vector3<f64>),
 }
 
 /// One usable reading of the drone.
@@ -44,6 +102,10 @@ pub enum Sample {
     Attitude(AttitudeSample),
     /// How it moved.
     Velocity(VelocitySample),
+    /// Where its gimbal held the camera.
+    Gimbal(GimbalSample),
+    /// Where it was.
+    Position(PositionSample),
 }
 
 impl Sample {
@@ -52,6 +114,8 @@ impl Sample {
         match self {
             Sample::Attitude(sample) => sample.stamp,
             Sample::Velocity(sample) => sample.stamp,
+            Sample::Gimbal(sample) => sample.stamp,
+            Sample::Position(sample) => sample.stamp,
         }
     }
 
@@ -60,17 +124,45 @@ impl Sample {
         match self {
             Sample::Attitude(_) => Kind::Attitude,
             Sample::Velocity(_) => Kind::Velocity,
+            Sample::Gimbal(_) => Kind::Gimbal,
+            Sample::Position(_) => Kind::Position,
         }
     }
 }
 
-/// What a sample is a reading of. The order is that of samples at equal times: a velocity needs the attitude.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// What a sample is a reading of. The order is that of samples at equal times: what follows for the camera
+/// from an attitude needs the gimbal, and from a velocity both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Kind {
+    /// Where the gimbal holds the camera.
+    Gimbal,
     /// How the drone lies.
     Attitude,
     /// How it moves.
     Velocity,
+    /// Where it is.
+    Position,
+}
+
+impl Kind {
+    /// All of them, in their order.
+    pub const ALL: [Kind; 4] = [
+        Kind::Gimbal,
+        Kind::Attitude,
+        Kind::Velocity,
+        Kind::Position,
+    ];
+
+    /// As profiles, scripts and options name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Gimbal => "gimbal",
+            Kind::Attitude => "attitude",
+            Kind::Velocity => "velocity",
+            Kind::Position => "position",
+        }
+    }
 }
 
 /// Why a reading was not used.
@@ -78,8 +170,14 @@ pub enum Kind {
 pub enum DropReason {
     /// The message's bytes do not decode as its schema says.
     Undecodable,
+    /// The message is encoded in a version of CDR that is not supported.
+    Xcdr2,
+    /// The message is encoded as a CDR parameter list, which is not supported.
+    ParameterList,
     /// A field that the message may leave out is not in it.
     MissingField,
+    /// The log itself says that it is measured in a frame which cannot be placed.
+    UnknownFrame,
     /// A number is infinite or not a number.
     NonFinite,
     /// A quaternion that is not four numbers, or has a length outside 0.5 to 2.
@@ -96,6 +194,11 @@ pub enum DropReason {
     InAttitudeGap,
     /// A velocity between two attitudes across a reset of the estimator.
     AcrossAttitudeReset,
+    /// An attitude or a velocity before the first gimbal angle or after the last.
+    OutsideGimbal,
+    /// An attitude or a velocity between two gimbal angles that are too far apart to interpolate, or measured
+    /// from different references.
+    InGimbalGap,
 }
 
 impl DropReason {
@@ -103,7 +206,10 @@ impl DropReason {
     pub fn name(self) -> &'static str {
         match self {
             DropReason::Undecodable => "undecodable",
+            DropReason::Xcdr2 => "xcdr2",
+            DropReason::ParameterList => "parameter_list",
             DropReason::MissingField => "missing_field",
+            DropReason::UnknownFrame => "unknown_frame",
             DropReason::NonFinite => "non_finite",
             DropReason::NotARotation => "not_a_rotation",
             DropReason::MarkedInvalid => "marked_invalid",
@@ -112,6 +218,8 @@ impl DropReason {
             DropReason::OutsideAttitude => "outside_attitude",
             DropReason::InAttitudeGap => "in_attitude_gap",
             DropReason::AcrossAttitudeReset => "across_attitude_reset",
+            DropReason::OutsideGimbal => "outside_gimbal",
+            DropReason::InGimbalGap => "in_gimbal_gap",
         }
     }
 
@@ -119,7 +227,12 @@ impl DropReason {
     pub fn describe(self) -> &'static str {
         match self {
             DropReason::Undecodable => "not decodable",
+            DropReason::Xcdr2 => "encoded as XCDR2, which flightcam does not read (it reads XCDR1)",
+            DropReason::ParameterList => {
+                "encoded as a CDR parameter list (PL_CDR), which flightcam does not read"
+            }
             DropReason::MissingField => "without a field that is needed",
+            DropReason::UnknownFrame => "in a frame that cannot be placed in NED",
             DropReason::NonFinite => "with a number that is not finite",
             DropReason::NotARotation => "with a quaternion that is no rotation",
             DropReason::MarkedInvalid => "marked invalid by the log",
@@ -130,7 +243,19 @@ impl DropReason {
             DropReason::OutsideAttitude => "before the first or after the last usable attitude",
             DropReason::InAttitudeGap => "in a gap of the attitude",
             DropReason::AcrossAttitudeReset => "across a reset of the attitude estimator",
+            DropReason::OutsideGimbal => "before the first or after the last usable gimbal angle",
+            DropReason::InGimbalGap => "in a gap of the gimbal angles",
         }
+    }
+}
+
+impl DropReason {
+    /// Whether the message could not be read, as opposed to having nothing of use.
+    pub fn is_unreadable(self) -> bool {
+        matches!(
+            self,
+            Self::Undecodable | Self::Xcdr2 | Self::ParameterList
+        )
     }
 }
 
@@ -165,17 +290,12 @@ impl Tally {
 
 /// A tally for each kind of sample.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Tallies {
-    /// Of the attitude samples.
-    pub attitude: Tally,
-    /// Of the velocity samples.
-    pub velocity: Tally,
-}
+pub struct Tallies([Tally; Kind::ALL.len()]);
 
 impl Tallies {
     /// Adds the counts of another stage.
     pub fn merge(&mut self, other: &Tallies) {
-        for kind in [Kind::Attitude, Kind::Velocity] {
+        for kind in Kind::ALL {
             self[kind].used += other[kind].used;
             for (&reason, &count) in &other[kind].dropped {
                 self[kind].count_dropped(reason, count);
@@ -188,18 +308,12 @@ impl Index<Kind> for Tallies {
     type Output = Tally;
 
     fn index(&self, kind: Kind) -> &Tally {
-        match kind {
-            Kind::Attitude => &self.attitude,
-            Kind::Velocity => &self.velocity,
-        }
+        &self.0[kind as usize]
     }
 }
 
 impl IndexMut<Kind> for Tallies {
     fn index_mut(&mut self, kind: Kind) -> &mut Tally {
-        match kind {
-            Kind::Attitude => &mut self.attitude,
-            Kind::Velocity => &mut self.velocity,
-        }
+        &mut self.0[kind as usize]
     }
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::{
     derived::{Derived, Value},
     geometry::{DepressionAngle, camera_orientation, relative_rpy, slerp, velocity_in_camera},
-    sample::{AttitudeSample, DropReason, Kind, Sample, Tallies, VelocitySample},
+    sample::{AttitudeSample, DropReason, Kind, Sample, Tallies, Velocity, VelocitySample},
 };
 
 /// The longest time between two attitude samples that still belong together. Across a longer one there is
@@ -117,6 +117,7 @@ impl Transform {
         match sample {
             Sample::Attitude(sample) => self.push_attitude(sample, out),
             Sample::Velocity(sample) => self.push_velocity(sample, out),
+            Sample::Gimbal(_) | Sample::Position(_) => {}
         }
     }
 
@@ -143,7 +144,7 @@ impl Transform {
             self.count_dropped(Kind::Attitude, DropReason::UndefinedHeading, 1);
             return;
         };
-        self.outcome.tallies.attitude.used += 1;
+        self.outcome.tallies[Kind::Attitude].used += 1;
         if let Some((previous, previous_camera)) = self.camera.replace((sample, camera)) {
             match self.break_between(&previous, &sample) {
                 Some(Break::Gap) => self.outcome.breaks.gaps += 1,
@@ -218,10 +219,11 @@ impl Transform {
             self.count_dropped(Kind::Velocity, DropReason::UndefinedHeading, 1);
             return;
         };
-        self.outcome.tallies.velocity.used += 1;
+        let (Velocity::Ned(velocity_ned) | Velocity::Frd(velocity_ned)) = sample.velocity;
+        self.outcome.tallies[Kind::Velocity].used += 1;
         out.push(Derived {
             stamp: sample.stamp,
-            value: Value::CameraVelocity(velocity_in_camera(&camera, &sample.velocity_ned)),
+            value: Value::CameraVelocity(velocity_in_camera(&camera, &velocity_ned)),
         });
     }
 

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     geometry::RollPitchYaw,
     log::{Log, record::RawMessage},
-    sample::{AttitudeSample, DropReason, Kind, Sample, Stamp, VelocitySample},
+    sample::{AttitudeSample, DropReason, Kind, Sample, Stamp, Velocity, VelocitySample},
 };
 
 /// Lengths that a quaternion may have and still be taken for a rotation. Rounding and a filter's drift stay
@@ -178,7 +178,7 @@ impl ChannelSource {
                 let velocity_ned = slots.read(&self.slots)?;
                 Ok(Sample::Velocity(VelocitySample {
                     stamp,
-                    velocity_ned,
+                    velocity: Velocity::Ned(velocity_ned),
                 }))
             });
             emit(Kind::Velocity, sample);
