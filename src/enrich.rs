@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
+    camera::Camera,
     derived::Quantity,
     error::Error,
     log::Log,
@@ -47,7 +48,11 @@ pub fn enrich(
     let source = Source::select(&log, &options.profile)?;
 
     let mut reader = Reader::new(&log, source);
-    let mut transform = Transform::new(options.depression, options.max_gap);
+    let camera = Camera::Stabilised {
+        depression: options.depression,
+        yaw_offset: 0.0,
+    };
+    let mut transform = Transform::new(camera, options.max_gap);
     // Begun with the first derived value, so that a log that yields none costs no copy.
     let mut appender: Option<Appender> = None;
     let mut derived = Vec::new();

@@ -1,4 +1,4 @@
-//! Frames and rotations: where a gimballed camera looks, and what that makes of a rotation or a velocity.
+//! Frames and rotations: where a stabilised camera looks, and what that makes of a rotation or a velocity.
 //!
 //! All frames are right-handed, all angles radians:
 //!
@@ -131,12 +131,7 @@ pub fn camera_orientation(
     q_ned_drone: &UnitQuaternion<f64>,
     depression: DepressionAngle,
 ) -> Option<Rotation3<f64>> {
-    let nose = q_ned_drone * Vector3::x();
-    let ground = nose.x.hypot(nose.y);
-    if ground < MIN_GROUND_PROJECTION {
-        return None;
-    }
-    let (sin_heading, cos_heading) = (nose.y / ground, nose.x / ground);
+    let (sin_heading, cos_heading) = heading_sin_cos(q_ned_drone)?;
     let (sin_depression, cos_depression) = depression.radians().sin_cos();
     Some(Rotation3::from_matrix_unchecked(Matrix3::new(
         cos_heading * cos_depression,
@@ -149,6 +144,30 @@ pub fn camera_orientation(
         0.0,
         cos_depression,
     )))
+}
+
+/// The drone's heading alone, `Rz(ψ)`: turns coordinates of a drone that has the same heading and lies level
+/// into NED. `None` where the nose points straight up or down ([`MIN_GROUND_PROJECTION`]).
+pub fn heading_rotation(q_ned_drone: &UnitQuaternion<f64>) -> Option<Rotation3<f64>> {
+    let (sin_heading, cos_heading) = heading_sin_cos(q_ned_drone)?;
+    Some(Rotation3::from_matrix_unchecked(Matrix3::new(
+        cos_heading,
+        -sin_heading,
+        0.0,
+        sin_heading,
+        cos_heading,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+    )))
+}
+
+/// Sine and cosine of the heading ψ of the nose axis.
+fn heading_sin_cos(q_ned_drone: &UnitQuaternion<f64>) -> Option<(f64, f64)> {
+    let nose = q_ned_drone * Vector3::x();
+    let ground = nose.x.hypot(nose.y);
+    (ground >= MIN_GROUND_PROJECTION).then(|| (nose.y / ground, nose.x / ground))
 }
 
 /// How the camera turned between two moments, in the axes that it had at the first: `R_12 = R_1ᵀ R_2`.

@@ -22,8 +22,9 @@
 //! | --- | --- | --- |
 //! | [`geometry`] | frames and rotations: pure functions | nobody |
 //! | [`sample`] | what flows from reader to transform | nobody |
+//! | [`camera`] | how the camera hangs on the drone | geometry, sample |
 //! | [`derived`] | what flows from transform to writer | geometry, sample |
-//! | [`transform`] | samples → derived values, a state machine without I/O | the three above |
+//! | [`transform`] | samples → derived values, a state machine without I/O | the four above |
 //! | [`log`] | the MCAP container: what a log holds, where its bytes lie | nobody |
 //! | [`source`] | how a log says it: profiles, fields, protobuf and JSON decoders | log, sample, geometry |
 //! | [`reader`] | log + source → samples in time order | log, source, sample |
@@ -46,6 +47,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod camera;
 pub mod derived;
 pub mod enrich;
 pub mod error;

@@ -1,20 +1,35 @@
 //! Samples → derived values: a state machine without input or output.
 //!
-//! Samples go in one at a time, in time order and at equal times attitude before velocity; derived values
-//! come out in time order, at equal times the relative rotation before the velocity. What is held back is
-//! bounded by [`MaxGap`]: the velocities since the last attitude.
+//! Samples go in one at a time, in time order and at equal times in the order of their [`Kind`]; derived values
+//! come out in time order, at equal times the relative rotation before the velocity.
+//!
+//! The drone's attitude and, if the camera follows it, the gimbal's orientation are interpolated, so an attitude
+//! or a velocity is held back until a gimbal angle and an attitude at its time or behind it have come. Samples
+//! are settled in their order: behind one that waits, all wait. What is held back is bounded by [`MaxGap`]
+//! nevertheless: one waits only while the sample that it waits for can still come within the maximum gap of the
+//! one before it, for across a longer gap nothing is interpolated. After that nothing can come of it, whether
+//! the gap ends or not, and it is dropped at once; only the reason is left open, in a count.
 
-use nalgebra::Rotation3;
+mod track;
+
+use std::collections::{BTreeMap, VecDeque};
+
+use nalgebra::{Rotation3, UnitQuaternion};
 use serde::Serialize;
 
 use crate::{
+    camera::Camera,
     derived::{Derived, Value},
-    geometry::{DepressionAngle, camera_orientation, relative_rpy, slerp, velocity_in_camera},
-    sample::{AttitudeSample, DropReason, Kind, Sample, Tallies, Velocity, VelocitySample},
+    geometry::{relative_rpy, velocity_in_camera},
+    sample::{
+        AttitudeSample, DropReason, GimbalReference, GimbalSample, Kind, Sample, Stamp, Tallies,
+        Velocity, VelocitySample,
+    },
 };
+use track::{Missing, Origin, Resets, Track};
 
-/// The longest time between two attitude samples that still belong together. Across a longer one there is
-/// no relative rotation and no interpolation.
+/// The longest time between two attitude samples, or two of the gimbal, that still belong together. Across a
+/// longer one there is no relative rotation and no interpolation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaxGap {
     nanoseconds: u64,
@@ -47,6 +62,11 @@ impl MaxGap {
     pub fn seconds(self) -> f64 {
         self.nanoseconds as f64 / 1e9
     }
+
+    /// Whether samples at these times, in nanoseconds and in order, belong together.
+    fn spans(self, from: u64, to: u64) -> bool {
+        to - from <= self.nanoseconds
+    }
 }
 
 impl Default for MaxGap {
@@ -70,174 +90,216 @@ pub struct Outcome {
 /// rotation or is counted here.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Breaks {
-    /// The previous sample with a heading lies further back than the maximum gap.
+    /// The previous sample for which the camera is known lies further back than the maximum gap.
     pub gaps: u64,
     /// The log's count of attitude resets changed: the estimator jumped, the camera did not.
     pub resets: u64,
 }
 
-enum Break {
-    Gap,
-    Reset,
+/// A sample that something is derived from.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    stamp: Stamp,
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Reading {
+    /// Kept by the track of attitudes.
+    Attitude,
+    Velocity(Velocity),
+}
+
+impl Held {
+    fn kind(&self) -> Kind {
+        match self.reading {
+            Reading::Attitude => Kind::Attitude,
+            Reading::Velocity(_) => Kind::Velocity,
+        }
+    }
+}
+
+/// Drone and camera at one time.
+#[derive(Debug, Clone, Copy)]
+struct Pose {
+    time: u64,
+    q_ned_drone: UnitQuaternion<f64>,
+    resets: Resets,
+    r_ned_camera: Rotation3<f64>,
 }
 
 /// Turns samples of the drone into derived values for its camera.
 #[derive(Debug)]
 pub struct Transform {
-    depression: DepressionAngle,
+    camera: Camera,
     max_gap: MaxGap,
-    attitude: Option<AttitudeSample>,
-    /// The last attitude sample with a defined heading, and the camera there.
-    camera: Option<(AttitudeSample, Rotation3<f64>)>,
+    attitudes: Track<Resets>,
+    gimbal: Track<GimbalReference>,
     last_velocity_time: Option<u64>,
-    /// Velocities since the last attitude, waiting for the next one.
-    waiting: Vec<VelocitySample>,
-    /// Velocities that lie further behind the last attitude than any interpolation reaches.
-    out_of_reach: u64,
+    /// Attitudes and velocities that are not settled, in their order.
+    held: VecDeque<Held>,
+    /// The last attitude sample for which the camera is known.
+    previous: Option<Pose>,
+    /// How many samples of the second kind were dropped because the last one of the first is out of reach.
+    out_of_reach: BTreeMap<(Kind, Kind), u64>,
     outcome: Outcome,
 }
 
 impl Transform {
     /// Before the first sample.
-    pub fn new(depression: DepressionAngle, max_gap: MaxGap) -> Self {
+    pub fn new(camera: Camera, max_gap: MaxGap) -> Self {
         Self {
-            depression,
+            camera,
             max_gap,
-            attitude: None,
-            camera: None,
+            attitudes: Track::new(max_gap),
+            gimbal: Track::new(max_gap),
             last_velocity_time: None,
-            waiting: Vec::new(),
-            out_of_reach: 0,
+            held: VecDeque::new(),
+            previous: None,
+            out_of_reach: BTreeMap::new(),
             outcome: Outcome::default(),
         }
     }
 
     /// Takes the next sample and appends to `out` what can be derived now.
+    ///
+    /// Samples of what nothing follows from for this camera are ignored and not counted: positions, and those
+    /// of a gimbal that it does not follow.
     pub fn push(&mut self, sample: Sample, out: &mut Vec<Derived>) {
-        match sample {
-            Sample::Attitude(sample) => self.push_attitude(sample, out),
-            Sample::Velocity(sample) => self.push_velocity(sample, out),
-            Sample::Gimbal(_) | Sample::Position(_) => {}
+        let is_first_at_its_time = match sample {
+            Sample::Gimbal(sample) if self.camera == Camera::Gimbal => self.push_gimbal(&sample),
+            Sample::Attitude(sample) => self.push_attitude(&sample),
+            Sample::Velocity(sample) => self.push_velocity(&sample),
+            Sample::Gimbal(_) | Sample::Position(_) => return,
+        };
+        if is_first_at_its_time {
+            self.settle(Some(sample.stamp().log_time), out);
+        } else {
+            self.count_dropped(sample.kind(), DropReason::DuplicateTime, 1);
         }
     }
 
-    /// Ends the run: what still waits for an attitude will not get one.
+    /// Ends the run: what still waits will not get what it waits for.
     pub fn finish(mut self) -> Outcome {
-        let unreached = self.waiting.len() as u64 + self.out_of_reach;
-        self.count_dropped(Kind::Velocity, DropReason::OutsideAttitude, unreached);
+        // Nothing is derived here: all that is held waits itself or is later than one that does.
+        self.settle(None, &mut Vec::new());
+        self.settle_out_of_reach(Kind::Attitude, Resets::OUTSIDE);
+        self.settle_out_of_reach(Kind::Gimbal, GimbalReference::OUTSIDE);
         self.outcome
     }
 
-    fn push_attitude(&mut self, sample: AttitudeSample, out: &mut Vec<Derived>) {
+    fn push_gimbal(&mut self, sample: &GimbalSample) -> bool {
         let time = sample.stamp.log_time;
-        if let Some(previous) = self.attitude {
-            if previous.stamp.log_time == time {
-                self.count_dropped(Kind::Attitude, DropReason::DuplicateTime, 1);
-                return;
-            }
-            self.interpolate_waiting(&previous, &sample, out);
+        let is_first = self.gimbal.push(time, sample.orientation, sample.reference);
+        if is_first {
+            self.outcome.tallies[Kind::Gimbal].used += 1;
+            self.settle_out_of_reach(Kind::Gimbal, GimbalReference::IN_GAP);
         }
-        // A sample without a heading still says how the drone lay, so it is good to interpolate from.
-        self.attitude = Some(sample);
-
-        let Some(camera) = camera_orientation(&sample.orientation, self.depression) else {
-            self.count_dropped(Kind::Attitude, DropReason::UndefinedHeading, 1);
-            return;
-        };
-        self.outcome.tallies[Kind::Attitude].used += 1;
-        if let Some((previous, previous_camera)) = self.camera.replace((sample, camera)) {
-            match self.break_between(&previous, &sample) {
-                Some(Break::Gap) => self.outcome.breaks.gaps += 1,
-                Some(Break::Reset) => self.outcome.breaks.resets += 1,
-                None => out.push(Derived {
-                    stamp: sample.stamp,
-                    value: Value::RelativeRpy {
-                        interval: time - previous.stamp.log_time,
-                        rpy: relative_rpy(&previous_camera, &camera),
-                    },
-                }),
-            }
-        }
+        is_first
     }
 
-    fn push_velocity(&mut self, sample: VelocitySample, out: &mut Vec<Derived>) {
+    fn push_attitude(&mut self, sample: &AttitudeSample) -> bool {
+        let resets = Resets(sample.reset_counter);
         let time = sample.stamp.log_time;
-        if self.last_velocity_time.replace(time) == Some(time) {
-            self.count_dropped(Kind::Velocity, DropReason::DuplicateTime, 1);
-            return;
+        let is_first = self.attitudes.push(time, sample.orientation, resets);
+        if is_first {
+            self.settle_out_of_reach(Kind::Attitude, Resets::IN_GAP);
+            self.hold(sample.stamp, Reading::Attitude);
         }
-        match self.attitude {
-            None => self.count_dropped(Kind::Velocity, DropReason::OutsideAttitude, 1),
-            Some(attitude) if attitude.stamp.log_time == time => {
-                let camera = camera_orientation(&attitude.orientation, self.depression);
-                self.derive_velocity(&sample, camera, out);
-            }
-            Some(attitude) if time - attitude.stamp.log_time > self.max_gap.nanoseconds => {
-                self.out_of_reach += 1;
-            }
-            Some(_) => self.waiting.push(sample),
-        }
+        is_first
     }
 
-    /// Settles the velocities between two adjacent attitude samples.
-    fn interpolate_waiting(
-        &mut self,
-        before: &AttitudeSample,
-        after: &AttitudeSample,
-        out: &mut Vec<Derived>,
-    ) {
-        let out_of_reach = std::mem::take(&mut self.out_of_reach);
-        self.count_dropped(Kind::Velocity, DropReason::InAttitudeGap, out_of_reach);
-
-        let waiting = std::mem::take(&mut self.waiting);
-        let reason = match self.break_between(before, after) {
-            Some(Break::Gap) => Some(DropReason::InAttitudeGap),
-            Some(Break::Reset) => Some(DropReason::AcrossAttitudeReset),
-            None => None,
-        };
-        if let Some(reason) = reason {
-            self.count_dropped(Kind::Velocity, reason, waiting.len() as u64);
-            return;
+    fn push_velocity(&mut self, sample: &VelocitySample) -> bool {
+        let time = sample.stamp.log_time;
+        let is_first = self.last_velocity_time.replace(time) != Some(time);
+        if is_first {
+            self.hold(sample.stamp, Reading::Velocity(sample.velocity));
         }
-        let start = before.stamp.log_time;
-        let span = (after.stamp.log_time - start) as f64;
-        for velocity in waiting {
-            let fraction = (velocity.stamp.log_time - start) as f64 / span;
-            let orientation = slerp(&before.orientation, &after.orientation, fraction);
-            let camera = camera_orientation(&orientation, self.depression);
-            self.derive_velocity(&velocity, camera, out);
-        }
+        is_first
     }
 
-    fn derive_velocity(
-        &mut self,
-        sample: &VelocitySample,
-        camera: Option<Rotation3<f64>>,
-        out: &mut Vec<Derived>,
-    ) {
-        let Some(camera) = camera else {
-            self.count_dropped(Kind::Velocity, DropReason::UndefinedHeading, 1);
-            return;
+    fn hold(&mut self, stamp: Stamp, reading: Reading) {
+        self.held.push_back(Held { stamp, reading });
+    }
+
+    /// Settles what is held, up to the first sample that must wait. No sample will come before `soonest`, or
+    /// none at all.
+    fn settle(&mut self, soonest: Option<u64>, out: &mut Vec<Derived>) {
+        while let Some(&sample) = self.held.front() {
+            match self.pose_at(sample.stamp.log_time, soonest) {
+                Ok(pose) => self.derive(&sample, pose, out),
+                Err(Missing::For(reason)) => self.count_dropped(sample.kind(), reason, 1),
+                Err(Missing::OutOfReach(of)) => {
+                    *self.out_of_reach.entry((of, sample.kind())).or_default() += 1;
+                }
+                Err(Missing::Yet) => break,
+            }
+            self.held.pop_front();
+        }
+        let oldest = self.held.front();
+        let needed_from = oldest.map_or(u64::MAX, |sample| sample.stamp.log_time);
+        self.attitudes.forget_before(needed_from);
+        self.gimbal.forget_before(needed_from);
+    }
+
+    fn pose_at(&self, time: u64, soonest: Option<u64>) -> Result<Pose, Missing> {
+        let (q_ned_drone, resets) = self.attitudes.at(time, soonest)?;
+        let gimbal = || self.gimbal.at(time, soonest);
+        let r_ned_camera = self
+            .camera
+            .orientation(&q_ned_drone, gimbal)?
+            .ok_or(Missing::For(DropReason::UndefinedHeading))?;
+        Ok(Pose {
+            time,
+            q_ned_drone,
+            resets,
+            r_ned_camera,
+        })
+    }
+
+    fn derive(&mut self, sample: &Held, pose: Pose, out: &mut Vec<Derived>) {
+        self.outcome.tallies[sample.kind()].used += 1;
+        let value = match sample.reading {
+            Reading::Attitude => self.turn_to(pose),
+            Reading::Velocity(velocity) => {
+                let velocity_ned = match velocity {
+                    Velocity::Ned(velocity) => velocity,
+                    Velocity::Frd(velocity) => pose.q_ned_drone * velocity,
+                };
+                let velocity = velocity_in_camera(&pose.r_ned_camera, &velocity_ned);
+                Some(Value::CameraVelocity(velocity))
+            }
         };
-        let (Velocity::Ned(velocity_ned) | Velocity::Frd(velocity_ned)) = sample.velocity;
-        self.outcome.tallies[Kind::Velocity].used += 1;
-        out.push(Derived {
-            stamp: sample.stamp,
-            value: Value::CameraVelocity(velocity_in_camera(&camera, &velocity_ned)),
-        });
+        let stamp = sample.stamp;
+        out.extend(value.map(|value| Derived { stamp, value }));
+    }
+
+    /// How the camera turned since the previous attitude sample, unless the chain broke in between.
+    fn turn_to(&mut self, pose: Pose) -> Option<Value> {
+        let previous = self.previous.replace(pose)?;
+        if !self.max_gap.spans(previous.time, pose.time) {
+            self.outcome.breaks.gaps += 1;
+            return None;
+        }
+        if !previous.resets.agrees(pose.resets) {
+            self.outcome.breaks.resets += 1;
+            return None;
+        }
+        Some(Value::RelativeRpy {
+            interval: pose.time - previous.time,
+            rpy: relative_rpy(&previous.r_ned_camera, &pose.r_ned_camera),
+        })
+    }
+
+    /// Gives the reason for samples that were dropped because the last one of this kind is out of reach.
+    fn settle_out_of_reach(&mut self, of: Kind, reason: DropReason) {
+        for kind in Kind::ALL {
+            let count = self.out_of_reach.remove(&(of, kind)).unwrap_or_default();
+            self.count_dropped(kind, reason, count);
+        }
     }
 
     fn count_dropped(&mut self, kind: Kind, reason: DropReason, count: u64) {
         self.outcome.tallies[kind].count_dropped(reason, count);
-    }
-
-    fn break_between(&self, before: &AttitudeSample, after: &AttitudeSample) -> Option<Break> {
-        if after.stamp.log_time - before.stamp.log_time > self.max_gap.nanoseconds {
-            return Some(Break::Gap);
-        }
-        match (before.reset_counter, after.reset_counter) {
-            (Some(a), Some(b)) if a != b => Some(Break::Reset),
-            _ => None,
-        }
     }
 }

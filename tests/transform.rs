@@ -3,11 +3,11 @@
 //! Times are seconds and angles degrees. The camera of most tests looks at the horizon: a relative rotation
 //! is then a yaw by the step of the heading, and a drone that flies north sees where its camera heads.
 
+use flightcam::camera::Camera;
 use flightcam::derived::{Derived, Quantity, Value};
 use flightcam::geometry::{DepressionAngle, RollPitchYaw};
 use flightcam::sample::DropReason::{self, *};
-use flightcam::sample::Tallies;
-use flightcam::sample::{AttitudeSample, Kind, Sample, Stamp, Tally, VelocitySample};
+use flightcam::sample::{AttitudeSample, Kind, Sample, Stamp, Velocity, VelocitySample};
 use flightcam::transform::{Breaks, MaxGap, MaxGapOutOfRange, Outcome, Transform};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -64,7 +64,7 @@ fn reset(resets: u64, time: f64, heading: f64) -> Sample {
 fn velocity(time: f64, velocity_ned: [f64; 3]) -> Sample {
     Sample::Velocity(VelocitySample {
         stamp: at(time),
-        velocity_ned: velocity_ned.into(),
+        velocity: Velocity::Ned(velocity_ned.into()),
     })
 }
 
@@ -87,7 +87,11 @@ struct Run {
 
 fn run_at_depression(degrees: f64, samples: &[Sample]) -> Run {
     let depression = DepressionAngle::from_degrees(degrees).expect("a depression in range");
-    let mut transform = Transform::new(depression, max_gap(MAX_GAP));
+    let camera = Camera::Stabilised {
+        depression,
+        yaw_offset: 0.0,
+    };
+    let mut transform = Transform::new(camera, max_gap(MAX_GAP));
     let mut derived = Vec::new();
     for sample in samples {
         transform.push(*sample, &mut derived);
@@ -109,11 +113,12 @@ fn seconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 / 1e9
 }
 
-fn dropped(tally: &Tally) -> Vec<(DropReason, u64)> {
-    tally.dropped.clone().into_iter().collect()
-}
-
 impl Run {
+    fn dropped(&self, kind: Kind) -> Vec<(DropReason, u64)> {
+        let dropped = &self.outcome.tallies[kind].dropped;
+        dropped.clone().into_iter().collect()
+    }
+
     /// The relative rotations: time, interval, and yaw, which is all there is at the horizon.
     fn turns(&self) -> Vec<(f64, f64, f64)> {
         let turn = |derived: &Derived| match derived.value {
@@ -148,7 +153,7 @@ mod the_relative_rotation {
     fn does_not_exist_for_the_first_attitude() {
         let run = run(&[yaw(1.0, 10.0)]);
         assert_eq!(run.turns(), []);
-        assert_eq!(run.outcome.tallies.attitude.used, 1);
+        assert_eq!(run.outcome.tallies[Kind::Attitude].used, 1);
         assert_eq!(run.outcome.breaks, NO_BREAKS);
     }
 
@@ -183,7 +188,7 @@ mod the_relative_rotation {
     fn resumes_behind_a_gap() {
         let run = run(&[yaw(1.0, 0.0), yaw(9.0, 20.0), yaw(9.5, 50.0)]);
         assert_eq!(run.turns(), [(9.5, 0.5, 30.0)]);
-        assert_eq!(run.outcome.tallies.attitude.used, 3);
+        assert_eq!(run.outcome.tallies[Kind::Attitude].used, 3);
     }
 
     #[test]
@@ -197,7 +202,7 @@ mod the_relative_rotation {
         ]);
         assert_eq!(run.turns(), [(2.0, 1.0, 10.0), (4.0, 1.0, 5.0)]);
         assert_eq!(run.outcome.breaks, Breaks { gaps: 0, resets: 2 });
-        assert_eq!(run.outcome.tallies.attitude.used, 5);
+        assert_eq!(run.outcome.tallies[Kind::Attitude].used, 5);
     }
 
     #[test]
@@ -217,10 +222,7 @@ mod the_relative_rotation {
             yaw(4.0, 35.0),
         ]);
         assert_eq!(run.turns(), [(3.0, 2.0, 20.0), (4.0, 1.0, 5.0)]);
-        assert_eq!(
-            dropped(&run.outcome.tallies.attitude),
-            [(UndefinedHeading, 2)]
-        );
+        assert_eq!(run.dropped(Kind::Attitude), [(UndefinedHeading, 2)]);
         assert_eq!(run.outcome.breaks, NO_BREAKS);
     }
 
@@ -270,20 +272,14 @@ mod the_velocity {
     fn does_not_exist_where_the_interpolated_nose_is_vertical() {
         let run = run(&[pitched(1.0, 0.0), north(1.9), pitched(2.5, 150.0)]);
         assert_eq!(run.headings(), []);
-        assert_eq!(
-            dropped(&run.outcome.tallies.velocity),
-            [(UndefinedHeading, 1)]
-        );
+        assert_eq!(run.dropped(Kind::Velocity), [(UndefinedHeading, 1)]);
     }
 
     #[test]
     fn does_not_exist_at_an_attitude_without_a_heading() {
         let run = run(&[yaw(1.0, 0.0), nose_up(2.0, 0.0), north(2.0), yaw(3.0, 0.0)]);
         assert_eq!(run.headings(), []);
-        assert_eq!(
-            dropped(&run.outcome.tallies.velocity),
-            [(UndefinedHeading, 1)]
-        );
+        assert_eq!(run.dropped(Kind::Velocity), [(UndefinedHeading, 1)]);
     }
 
     /// Without the attitude at 2 s, the heading would turn evenly from 0° to 90°.
@@ -306,10 +302,7 @@ mod the_velocity {
         let after = [north(2.001), north(7.0), north(7.001), north(9e4)];
         let run = run(&[before, after].concat());
         assert_eq!(run.headings(), []);
-        assert_eq!(
-            dropped(&run.outcome.tallies.velocity),
-            [(OutsideAttitude, 6)]
-        );
+        assert_eq!(run.dropped(Kind::Velocity), [(OutsideAttitude, 6)]);
     }
 
     #[test]
@@ -319,10 +312,7 @@ mod the_velocity {
 
         let broken = run(&[yaw(1.0, 0.0), north(3.5), yaw(6.000000001, 40.0)]);
         assert_eq!(broken.headings(), []);
-        assert_eq!(
-            dropped(&broken.outcome.tallies.velocity),
-            [(InAttitudeGap, 1)]
-        );
+        assert_eq!(broken.dropped(Kind::Velocity), [(InAttitudeGap, 1)]);
     }
 
     #[test]
@@ -331,7 +321,7 @@ mod the_velocity {
         let resumed = [yaw(99.0, 40.0), north(100.0), yaw(101.0, 60.0)];
         let run = run(&[&gap[..], &resumed].concat());
         assert_eq!(run.headings(), [(100.0, 50.0)]);
-        assert_eq!(dropped(&run.outcome.tallies.velocity), [(InAttitudeGap, 3)]);
+        assert_eq!(run.dropped(Kind::Velocity), [(InAttitudeGap, 3)]);
     }
 
     #[test]
@@ -347,10 +337,7 @@ mod the_velocity {
         let end = [reset(2, 3.0, 100.0)];
         let run = run(&[&before[..], &after, &end].concat());
         assert_eq!(run.headings(), [(1.0, 0.0), (2.0, 90.0), (2.5, 95.0)]);
-        assert_eq!(
-            dropped(&run.outcome.tallies.velocity),
-            [(AcrossAttitudeReset, 1)]
-        );
+        assert_eq!(run.dropped(Kind::Velocity), [(AcrossAttitudeReset, 1)]);
     }
 
     #[test]
@@ -368,7 +355,7 @@ mod of_two_at_the_same_time {
         let run = run(&[yaw(1.0, 10.0), yaw(1.0, 70.0), north(1.0), yaw(2.0, 30.0)]);
         assert_eq!(run.headings(), [(1.0, 10.0)]);
         assert_eq!(run.turns(), [(2.0, 1.0, 20.0)]);
-        assert_eq!(dropped(&run.outcome.tallies.attitude), [(DuplicateTime, 1)]);
+        assert_eq!(run.dropped(Kind::Attitude), [(DuplicateTime, 1)]);
     }
 
     #[test]
@@ -376,7 +363,7 @@ mod of_two_at_the_same_time {
         let run = run(&[yaw(1.0, 10.0), nose_up(2.0, 0.0), yaw(2.0, 70.0)]);
         assert_eq!(run.turns(), []);
         let expected = [(DuplicateTime, 1), (UndefinedHeading, 1)];
-        assert_eq!(dropped(&run.outcome.tallies.attitude), expected);
+        assert_eq!(run.dropped(Kind::Attitude), expected);
     }
 
     #[test]
@@ -385,7 +372,7 @@ mod of_two_at_the_same_time {
         let between = [north(1.5), east(1.5), east(1.5), yaw(2.0, 0.0)];
         let run = run(&[&at_attitude[..], &between].concat());
         assert_eq!(run.headings(), [(1.0, 0.0), (1.5, 0.0)]);
-        assert_eq!(dropped(&run.outcome.tallies.velocity), [(DuplicateTime, 3)]);
+        assert_eq!(run.dropped(Kind::Velocity), [(DuplicateTime, 3)]);
     }
 
     #[test]
@@ -451,7 +438,8 @@ proptest! {
     #[test]
     fn every_sample_is_accounted_for(samples in any_stream(), depression in -89.0..=90.0) {
         let Run { derived, outcome } = run_at_depression(depression, &samples);
-        let Outcome { tallies: Tallies { attitude, velocity }, breaks } = outcome;
+        let Outcome { tallies, breaks } = outcome;
+        let (attitude, velocity) = (&tallies[Kind::Attitude], &tallies[Kind::Velocity]);
         let pushed = |kind| samples.iter().filter(|sample| sample.kind() == kind).count() as u64;
         let made = |quantity| derived.iter().filter(|d| d.quantity() == quantity).count() as u64;
 

@@ -1,0 +1,137 @@
+//! How the camera hangs on the drone, and where it looks because of that.
+//!
+//! Frames and angles are those of [`geometry`](crate::geometry): NED, drone (FRD) and camera, `v_a = r_ab * v_b`.
+
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+
+use crate::{
+    geometry::{DepressionAngle, RollPitchYaw, camera_orientation, heading_rotation},
+    sample::GimbalReference,
+};
+
+/// How the camera hangs on the drone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Camera {
+    /// On a gimbal that cancels the drone's roll and pitch and holds a fixed angle below the horizon:
+    /// `R_ned_camera = Rz(ψ + yaw_offset) Ry(−θ)`, where ψ is the heading of the drone's nose.
+    Stabilised {
+        /// θ, the angle of the optical axis below the horizon.
+        depression: DepressionAngle,
+        /// How far to the right of the nose the camera looks, radians.
+        yaw_offset: f64,
+    },
+    /// Bolted to the airframe: it rolls and pitches with the drone, `R_ned_camera = R_ned_drone R_drone_camera`.
+    Fixed(Mount),
+    /// On a gimbal whose orientation the log tells.
+    Gimbal,
+}
+
+impl Camera {
+    /// Where the camera looks: `R_ned_camera` for the drone's attitude `q_ned_drone` (FRD to NED), or `None`
+    /// where it follows the heading of a nose that points straight up or down
+    /// ([`MIN_GROUND_PROJECTION`](crate::geometry::MIN_GROUND_PROJECTION)).
+    ///
+    /// `gimbal` gives the gimbal's orientation at that time, camera to reference, and its reference. It is
+    /// asked only if the camera follows the gimbal.
+    ///
+    /// ```
+    /// use std::convert::Infallible;
+    /// use flightcam::{camera::Camera, geometry::RollPitchYaw, sample::GimbalReference};
+    ///
+    /// let rpy = |roll, pitch, yaw| RollPitchYaw { roll, pitch, yaw }.to_quaternion();
+    /// let drone = rpy(0.3, -0.1, 1.2);
+    /// let gimbal = || Ok::<_, Infallible>((rpy(0.0, -0.5, 0.0), GimbalReference::Heading));
+    /// let camera = Camera::Gimbal.orientation(&drone, gimbal)?.expect("the nose is not vertical");
+    /// let down = camera.matrix()[(2, 0)];
+    /// assert!((down - 0.5f64.sin()).abs() < 1e-12);
+    /// # Ok::<(), Infallible>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of `gimbal`.
+    pub fn orientation<E>(
+        &self,
+        q_ned_drone: &UnitQuaternion<f64>,
+        gimbal: impl FnOnce() -> Result<(UnitQuaternion<f64>, GimbalReference), E>,
+    ) -> Result<Option<Rotation3<f64>>, E> {
+        Ok(match *self {
+            Camera::Stabilised {
+                depression,
+                yaw_offset,
+            } => camera_orientation(q_ned_drone, depression)
+                .map(|r_ned_ahead| turned_right(&r_ned_ahead, yaw_offset)),
+            Camera::Fixed(mount) => Some(q_ned_drone.to_rotation_matrix() * mount.to_rotation()),
+            Camera::Gimbal => {
+                let (orientation, reference) = gimbal()?;
+                reference_rotation(q_ned_drone, reference)
+                    .map(|r_ned_reference| r_ned_reference * orientation.to_rotation_matrix())
+            }
+        })
+    }
+}
+
+/// `Rz(angle) R`.
+fn turned_right(r: &Rotation3<f64>, angle: f64) -> Rotation3<f64> {
+    // Multiplied by the identity a zero can lose its sign, and half a turn with it its own.
+    if angle == 0.0 {
+        return *r;
+    }
+    Rotation3::from_axis_angle(&Vector3::z_axis(), angle) * r
+}
+
+/// `R_ned_reference`, or `None` for the heading of a vertical nose.
+fn reference_rotation(
+    q_ned_drone: &UnitQuaternion<f64>,
+    reference: GimbalReference,
+) -> Option<Rotation3<f64>> {
+    match reference {
+        GimbalReference::Earth => Some(Rotation3::identity()),
+        GimbalReference::Heading => heading_rotation(q_ned_drone),
+        GimbalReference::Airframe => Some(q_ned_drone.to_rotation_matrix()),
+    }
+}
+
+/// The fixed orientation of a camera on the airframe, `R_drone_camera = Rz(yaw) Ry(pitch) Rx(roll)`.
+///
+/// All zero is a camera that looks ahead; positive angles are to the right, up, and clockwise as the camera
+/// sees it. Roll 0°, pitch −30°, yaw 0° looks ahead and 30° down.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mount {
+    degrees: [f64; 3],
+}
+
+/// Roll, pitch and yaw of a mount, in degrees, of which one is out of its range.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "a mount of roll {}°, pitch {}°, yaw {}° is out of range: roll and yaw must be from -180 to 180, pitch \
+     from -90 to 90 (0,-30,0 looks ahead and 30° down)", .0[0], .0[1], .0[2]
+)]
+pub struct MountOutOfRange(pub [f64; 3]);
+
+impl Mount {
+    /// From degrees of roll, pitch (up) and yaw (to the right).
+    ///
+    /// # Errors
+    /// Roll or yaw outside −180 to 180, pitch outside −90 to 90, or one is not a number.
+    pub fn from_degrees(roll: f64, pitch: f64, yaw: f64) -> Result<Self, MountOutOfRange> {
+        let degrees = [roll, pitch, yaw];
+        // A comparison that a NaN fails.
+        let in_range = |(angle, limit): (f64, f64)| angle.abs() <= limit;
+        if degrees.into_iter().zip([180.0, 90.0, 180.0]).all(in_range) {
+            Ok(Self { degrees })
+        } else {
+            Err(MountOutOfRange(degrees))
+        }
+    }
+
+    /// Roll, pitch and yaw in degrees, as they were given.
+    pub fn degrees(self) -> [f64; 3] {
+        self.degrees
+    }
+
+    /// `R_drone_camera`: turns camera coordinates into those of the drone (FRD).
+    pub fn to_rotation(self) -> Rotation3<f64> {
+        let [roll, pitch, yaw] = self.degrees.map(f64::to_radians);
+        RollPitchYaw { roll, pitch, yaw }.to_rotation()
+    }
+}
