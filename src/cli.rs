@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each with its arguments and what it prints.
 
 mod enrich;
+mod telemetry;
 
 use std::{
     io::{self, Write},

@@ -10,6 +10,7 @@ use crate::{
     options::Options,
     reader::Reader,
     report::{Findings, Report},
+    sample::Kind,
     source::Source,
     transform::Transform,
     writer::{Appender, destination::Destination, provenance},
@@ -45,7 +46,8 @@ pub fn enrich(
     let destination = Destination::new(input, output, options.overwrite)?;
     let log = Log::open(input)?;
     provenance::check_topics_are_free(&log)?;
-    let source = Source::select(&log, &options.profile)?;
+    let mut source = Source::select(&log, &options.telemetry)?;
+    source.keep(&[Kind::Attitude, Kind::Velocity]);
 
     let mut reader = Reader::new(&log, source);
     let camera = Camera::Stabilised {

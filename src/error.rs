@@ -43,8 +43,8 @@ pub enum Error {
 
     #[error(
         "{}: no usable telemetry\nlooked for:{looked_for}\n{topics}\n\
-         flightcam reads protobuf and JSON messages; where the telemetry is in some of those, \
-         describe it in a profile of your own (--profile FILE.toml, explained in the README)", path.display()
+         say where it is with --attitude and --velocity (explained by `flightcam enrich --help`), \
+         or in a profile of your own (--profile FILE.toml, explained in the README)", path.display()
     )]
     NoTelemetry {
         path: PathBuf,
@@ -55,10 +55,31 @@ pub enum Error {
     },
 
     #[error(
-        "{}: {} fit equally well; choose one in a profile of your own (--profile FILE.toml) that says \
-         `topics = [\"{}\"]` under [attitude]", path.display(), topics.join(" and "), topics[0]
+        "{}: {} fit equally well; choose one, for instance with --attitude {}",
+        path.display(), topics.join(" and "), topics[0]
     )]
     SeveralTopicsFit { path: PathBuf, topics: Vec<String> },
+
+    #[error(
+        "{}: the profiles {} fit equally well; choose one, for instance with --profile {}",
+        path.display(), profiles.join(" and "), profiles[0]
+    )]
+    SeveralProfilesFit {
+        path: PathBuf,
+        profiles: Vec<String>,
+    },
+
+    #[error(
+        "{}: has the telemetry of several vehicles, in the namespaces {}; choose one, \
+         for instance with --namespace {}{}",
+        path.display(), names_of(namespaces).join(", "), names_of(namespaces)[0],
+        if namespaces.iter().any(String::is_empty) { " (/ is the one without a namespace)" } else { "" }
+    )]
+    SeveralVehicles {
+        path: PathBuf,
+        /// The prefixes of their topics; empty for the one without.
+        namespaces: Vec<String>,
+    },
 
     #[error("{}: the profile `{profile}` does not fit: {problem}", path.display())]
     ProfileDoesNotFit {
@@ -131,6 +152,16 @@ pub enum Error {
         path: PathBuf,
         source: mcap::McapError,
     },
+}
+
+/// Namespaces as they are given on the command line.
+fn names_of(namespaces: &[String]) -> Vec<&str> {
+    (namespaces.iter())
+        .map(|namespace| match namespace.as_str() {
+            "" => "/",
+            namespace => namespace,
+        })
+        .collect()
 }
 
 impl Error {

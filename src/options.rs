@@ -1,6 +1,6 @@
 //! What the user decides about a run.
 
-use crate::{geometry::DepressionAngle, source::profile::ProfileChoice, transform::MaxGap};
+use crate::{geometry::DepressionAngle, source::request::Request, transform::MaxGap};
 
 /// How to enrich a log.
 #[derive(Debug, Clone)]
@@ -9,8 +9,8 @@ pub struct Options {
     pub depression: DepressionAngle,
     /// The longest time between two attitude samples that still belong together.
     pub max_gap: MaxGap,
-    /// How the log names its telemetry.
-    pub profile: ProfileChoice,
+    /// How the log's telemetry is found.
+    pub telemetry: Request,
     /// Whether an output that exists is replaced.
     pub overwrite: bool,
 }
@@ -21,7 +21,7 @@ impl Options {
         Self {
             depression,
             max_gap: MaxGap::default(),
-            profile: ProfileChoice::Automatic,
+            telemetry: Request::default(),
             overwrite: false,
         }
     }

@@ -3,7 +3,8 @@
 //! Segments are read in the order of their earliest message. A sample is handed on as soon as no unread
 //! segment can hold an earlier one, so where segments do not overlap no more than one segment's samples are
 //! held. Where they overlap, which logs that were written topic after topic do completely, samples are held
-//! (about a hundred bytes each), never segments.
+//! (about a hundred bytes each), never segments. Where the samples' times are not log times, nothing tells which
+//! segment holds the earliest, so all samples are held until all segments are read.
 
 use std::{
     cmp::Reverse,
@@ -67,12 +68,15 @@ impl<'a> Reader<'a> {
         let wanted = source.channel_ids();
         let has_telemetry =
             |segment: &Segment| segment.message_counts.keys().any(|id| wanted.contains(id));
+        // Without log times nothing is known of a segment before it is read.
+        let is_in_log_time = source.is_in_log_time();
+        let start_of = |(start, _): (u64, u64)| if is_in_log_time { start } else { 0 };
         let mut unread: Vec<(u64, &Segment)> = log
             .contents
             .segments
             .iter()
             .filter(|segment| has_telemetry(segment))
-            .filter_map(|segment| Some((segment.times?.0, segment)))
+            .filter_map(|segment| Some((start_of(segment.times?), segment)))
             .collect();
         unread.sort_by_key(|&(start, segment)| Reverse((start, segment.offset)));
         Self {

@@ -12,8 +12,8 @@ use crate::{
     log::{Log, ScanReason},
     messages,
     options::Options,
-    sample::{DropReason, Kind, Tallies, Tally},
-    source::{Source, profile::ProfileChoice},
+    sample::{Kind, Tallies, Tally},
+    source::{RoleSource, Source, profile::ProfileChoice},
     transform::{Breaks, Outcome},
     writer::Appended,
 };
@@ -72,6 +72,15 @@ pub struct SampleReport {
     pub tally: Tally,
 }
 
+impl SampleReport {
+    fn new(source: &Source, tallies: &Tallies, kind: Kind) -> Self {
+        Self {
+            topic: source.role(kind).map(|role| role.topic.clone()),
+            tally: tallies[kind].clone(),
+        }
+    }
+}
+
 /// A topic of the result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct WrittenTopic {
@@ -115,14 +124,8 @@ impl<'a> Findings<'a> {
         Self {
             log,
             options,
-            attitude: SampleReport {
-                topic: Some(source.attitude_topic.clone()),
-                tally: tallies[Kind::Attitude].clone(),
-            },
-            velocity: SampleReport {
-                topic: source.velocity_topic.clone().ok(),
-                tally: tallies[Kind::Velocity].clone(),
-            },
+            attitude: SampleReport::new(&source, &tallies, Kind::Attitude),
+            velocity: SampleReport::new(&source, &tallies, Kind::Velocity),
             breaks: outcome.breaks,
             source,
         }
@@ -130,22 +133,24 @@ impl<'a> Findings<'a> {
 
     /// Why a quantity has no messages, if it has none.
     pub fn why_missing(&self, quantity: Quantity) -> String {
-        let attitude = &self.attitude.tally;
-        match (quantity, &self.source.velocity_topic) {
-            (Quantity::RelativeRpy, _) if attitude.used < 2 => format!(
+        match quantity {
+            Quantity::RelativeRpy if self.attitude.tally.used < 2 => format!(
                 "it takes two usable attitude samples, and {} has {}",
-                self.source.attitude_topic,
-                describe(attitude)
+                self.attitude.topic.as_deref().unwrap_or_default(),
+                describe(&self.attitude.tally)
             ),
-            (Quantity::RelativeRpy, _) => format!(
+            Quantity::RelativeRpy => format!(
                 "no two attitude samples belong together (gaps between them: {}, resets: {})",
                 self.breaks.gaps, self.breaks.resets
             ),
-            (Quantity::CameraVelocity, Ok(topic)) => {
-                let tally = describe(&self.velocity.tally);
-                format!("of the velocity samples on {topic}, {tally}")
-            }
-            (Quantity::CameraVelocity, Err(reason)) => reason.clone(),
+            Quantity::CameraVelocity => match self.source.why_missing(Kind::Velocity) {
+                Some(reason) => reason.to_owned(),
+                None => format!(
+                    "of the velocity samples on {}, {}",
+                    self.velocity.topic.as_deref().unwrap_or_default(),
+                    describe(&self.velocity.tally)
+                ),
+            },
         }
     }
 
@@ -187,13 +192,14 @@ impl<'a> Findings<'a> {
         let has_messages = |quantity: &Quantity| appended.messages.contains_key(quantity);
         let (written, missing): (Vec<Quantity>, Vec<Quantity>) =
             Quantity::ALL.into_iter().partition(has_messages);
-        let reason = self.source.reason();
+        let reason = self.source.role(Kind::Attitude).map(RoleSource::reason);
+        let reason = reason.unwrap_or_default();
         Report {
             input: self.log.file.path().into(),
             output,
             profile: ProfileReport {
                 name: self.source.profile.name.clone(),
-                reason: match self.options.profile {
+                reason: match self.options.telemetry.profile {
                     ProfileChoice::Automatic => format!("chosen because {reason}"),
                     ProfileChoice::Given(_) => format!("as asked for; {reason}"),
                 },
@@ -227,9 +233,12 @@ impl<'a> Findings<'a> {
 
     /// Readings whose messages did not decode.
     fn undecodable(&self) -> u64 {
-        let tallies = [&self.attitude.tally, &self.velocity.tally];
-        let counts = tallies.map(|tally| tally.dropped.get(&DropReason::Undecodable));
-        counts.into_iter().flatten().sum()
+        [&self.attitude.tally, &self.velocity.tally]
+            .into_iter()
+            .flat_map(|tally| &tally.dropped)
+            .filter(|(reason, _)| reason.is_unreadable())
+            .map(|(_, count)| count)
+            .sum()
     }
 
     fn notes(&self) -> Vec<String> {

@@ -147,12 +147,7 @@ pub enum Kind {
 
 impl Kind {
     /// All of them, in their order.
-    pub const ALL: [Kind; 4] = [
-        Kind::Gimbal,
-        Kind::Attitude,
-        Kind::Velocity,
-        Kind::Position,
-    ];
+    pub const ALL: [Kind; 4] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity, Kind::Position];
 
     /// As profiles, scripts and options name it.
     pub fn name(self) -> &'static str {
@@ -178,6 +173,8 @@ pub enum DropReason {
     MissingField,
     /// The log itself says that it is measured in a frame which cannot be placed.
     UnknownFrame,
+    /// The time that the message gives for it is negative, not finite, or too large.
+    BadTime,
     /// A number is infinite or not a number.
     NonFinite,
     /// A quaternion that is not four numbers, or has a length outside 0.5 to 2.
@@ -210,6 +207,7 @@ impl DropReason {
             DropReason::ParameterList => "parameter_list",
             DropReason::MissingField => "missing_field",
             DropReason::UnknownFrame => "unknown_frame",
+            DropReason::BadTime => "bad_time",
             DropReason::NonFinite => "non_finite",
             DropReason::NotARotation => "not_a_rotation",
             DropReason::MarkedInvalid => "marked_invalid",
@@ -233,6 +231,7 @@ impl DropReason {
             }
             DropReason::MissingField => "without a field that is needed",
             DropReason::UnknownFrame => "in a frame that cannot be placed in NED",
+            DropReason::BadTime => "with a time that cannot be one",
             DropReason::NonFinite => "with a number that is not finite",
             DropReason::NotARotation => "with a quaternion that is no rotation",
             DropReason::MarkedInvalid => "marked invalid by the log",
@@ -252,10 +251,7 @@ impl DropReason {
 impl DropReason {
     /// Whether the message could not be read, as opposed to having nothing of use.
     pub fn is_unreadable(self) -> bool {
-        matches!(
-            self,
-            Self::Undecodable | Self::Xcdr2 | Self::ParameterList
-        )
+        matches!(self, Self::Undecodable | Self::Xcdr2 | Self::ParameterList)
     }
 }
 

@@ -1,80 +1,97 @@
 //! How a log says it: the profile that fits, the channels that it names, and their messages → samples.
 
+pub mod path;
 pub mod profile;
+pub mod request;
 
+mod binding;
 mod channel;
 mod examples;
 mod field;
+mod finder;
 mod json;
 mod protobuf;
+mod ros;
+mod schema;
 mod selection;
+mod topic;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{
-    error::Error,
     log::record::RawMessage,
     sample::{DropReason, Kind, Sample},
 };
 use channel::{ChannelSource, LargestAngles};
-pub use field::FieldPath;
-use profile::{AngleUnit, Orientation, Profile};
+use path::FieldPath;
+use profile::Profile;
 
 /// The telemetry of one log: which channels have it, and how to read their messages.
 #[derive(Debug)]
 pub struct Source {
     /// The profile that fits.
     pub profile: Profile,
-    /// The topic with the attitude.
-    pub attitude_topic: String,
-    /// The topic with the velocity, or why there is none.
-    pub velocity_topic: Result<String, String>,
+    /// The prefix of the vehicle's topics; empty for a vehicle without.
+    pub namespace: String,
+    /// Where each kind of sample comes from, or why the log has none.
+    pub roles: BTreeMap<Kind, Result<RoleSource, String>>,
+    /// The other profiles that were tried, the better ones first.
+    pub runners_up: Vec<RunnerUp>,
     channels: BTreeMap<u16, ChannelSource>,
 }
 
-/// Why a channel's messages cannot be read as a profile says.
-#[derive(Debug, thiserror::Error)]
-enum Unresolved {
-    #[error(
-        "its messages are encoded as `{message_encoding}` with schema encoding `{schema_encoding}`; \
-         flightcam reads protobuf and JSON"
-    )]
-    Encoding {
-        message_encoding: String,
-        schema_encoding: String,
-    },
-    #[error("{problem}")]
-    Schema { problem: String },
-    #[error("it has no field {}; {place} has {}", list(lacking), available.join(", "))]
-    NoSuchField {
-        lacking: Vec<FieldPath>,
-        /// The message, or what else was searched for the first of them.
-        place: String,
-        available: Vec<String>,
-    },
-    #[error("its field `{path}` does not exist, because `{name}` is not a single message")]
-    NotAMessage { path: FieldPath, name: String },
-    #[error("its field `{path}` is not {wanted} but a {kind}")]
-    WrongShape {
-        path: FieldPath,
-        wanted: &'static str,
-        kind: &'static str,
-    },
-    #[error(transparent)]
-    Unreadable(#[from] Error),
+/// Where one kind of sample comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RoleSource {
+    /// The topic.
+    pub topic: String,
+    /// The fields of its messages.
+    pub fields: Vec<FieldPath>,
+}
+
+/// A profile that was tried and not chosen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunnerUp {
+    /// As the profile calls itself.
+    pub profile: String,
+    /// Whether it would fit, if not as well.
+    pub fits: bool,
+    /// What it found, or what it did not find.
+    pub reason: String,
+}
+
+impl RoleSource {
+    /// What was found, in words.
+    pub fn reason(&self) -> String {
+        let names: Vec<String> = self.fields.iter().map(FieldPath::to_string).collect();
+        format!("{} has {}", self.topic, names.join(", "))
+    }
 }
 
 impl Source {
-    /// What the profile found in the log, in words.
-    pub fn reason(&self) -> String {
-        let fields = self.profile.attitude.required_fields();
-        let names: Vec<String> = fields.iter().map(FieldPath::to_string).collect();
-        format!("{} has {}", self.attitude_topic, names.join(", "))
+    /// Where samples of a kind come from, if from anywhere.
+    pub fn role(&self, kind: Kind) -> Option<&RoleSource> {
+        self.roles.get(&kind)?.as_ref().ok()
+    }
+
+    /// Why there are no samples of a kind, if there are none.
+    pub fn why_missing(&self, kind: Kind) -> Option<&str> {
+        self.roles.get(&kind)?.as_ref().err().map(String::as_str)
     }
 
     /// The channels that have telemetry.
     pub fn channel_ids(&self) -> BTreeSet<u16> {
         self.channels.keys().copied().collect()
+    }
+
+    /// Reads only these kinds of sample.
+    pub fn keep(&mut self, kinds: &[Kind]) {
+        self.channels.retain(|_, channel| channel.keep(kinds));
+    }
+
+    /// Whether the times of samples are log times.
+    pub fn is_in_log_time(&self) -> bool {
+        self.channels.values().all(ChannelSource::is_in_log_time)
     }
 
     /// Reads one message. `emit` gets a sample, or why there is none, for each kind that the channel has.
@@ -90,13 +107,6 @@ impl Source {
 
     /// What the user should look at twice, after all messages were read.
     pub fn suspicion(&self) -> Option<String> {
-        let Orientation::Euler {
-            unit: AngleUnit::Radians,
-            ..
-        } = self.profile.attitude.orientation
-        else {
-            return None;
-        };
         let angles = self.channels.values().map(ChannelSource::largest_angles);
         let largest = angles.fold(LargestAngles::default(), LargestAngles::max);
         // A little more than a quarter and a full turn, for filters that overshoot.
@@ -105,12 +115,7 @@ impl Source {
         Some(format!(
             "{} has an angle of {angle:.1}, read as radians like all of its angles; \
              if they are degrees, use --profile flat-deg",
-            self.attitude_topic
+            self.role(Kind::Attitude)?.topic
         ))
     }
-}
-
-fn list(fields: &[FieldPath]) -> String {
-    let names: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
-    names.join(", ")
 }

@@ -96,7 +96,7 @@ impl Logbook {
             let file: PathBuf = self.folder.path().join("own.toml");
             fs::write(&file, text).expect("the profile is written");
             let profile = Profile::load(file.to_str().expect("a UTF-8 path"))?;
-            options.profile = ProfileChoice::Given(Box::new(profile));
+            options.telemetry.profile = ProfileChoice::Given(Box::new(profile));
         }
         let report = enrich(&input, &output, &options, &mut |_| {})?;
         let result = fs::read(output).expect("the result");
@@ -271,7 +271,8 @@ const NESTED_PROFILE: &str = r#"
     orientation.quaternion = "pose.q"
     reset_counter = { field = "pose.resets", optional = true }
     [velocity]
-    ned = ["pose.speed.x", "pose.speed.y", "pose.speed.z"]
+    vector = ["pose.speed.x", "pose.speed.y", "pose.speed.z"]
+    frame = "ned"
     valid = ["pose.ok"]
 "#;
 
@@ -366,12 +367,12 @@ fn a_profile_that_asks_for_what_a_schema_lacks_names_it_and_what_there_is() {
         (("pose.q", "pose.quat"), ["pose.quat", "speed, ok, q"]),
         (
             ("pose.speed.x", "pose.speed.x.y"),
-            ["pose.speed.x.y", "`x` is not a single message"],
+            ["pose.speed.x.y", "`x` is a single number"],
         ),
-        (("pose.speed.x", "frame"), ["`frame`", "string"]),
+        (("pose.speed.x", "frame"), ["`frame`", "text"]),
         (
             ("pose.q", "others.q"),
-            ["others.q", "`others` is not a single message"],
+            ["others.q", "`others` is a list, but not of numbers"],
         ),
         (
             ("pose.q", "pose.ok"),
@@ -404,7 +405,8 @@ fn json_may_be_nested_and_null_is_missing() {
         topics = ["/json"]
         orientation.euler = { roll = "att.r", pitch = "att.p", yaw = "att.y", unit = "degrees" }
         [velocity]
-        ned = ["v.n", "v.e", "v.d"]
+        vector = ["v.n", "v.e", "v.d"]
+        frame = "ned"
         valid = ["fix"]
     "#;
     let mut log = Logbook::new();
@@ -423,7 +425,7 @@ fn json_may_be_nested_and_null_is_missing() {
             3,
             r#"{"fix":true,"v":{"d":0,"e":0,"n":4e0},"att":{"y":90,"p":0,"r":0}}"#,
         ),
-        (4, r#"{"att":{"r":0,"p":0,"y":"90"}}"#),
+        (4, r#"{"att":{"r":0,"p":0,"y":"ninety"}}"#),
         (5, r#"{"att":"#),
     ] {
         log.put(channel, time, text.as_bytes());
@@ -498,7 +500,8 @@ fn one_topic_may_be_named_for_both_roles() {
         orientation.euler = { roll = "roll", pitch = "pitch", yaw = "yaw", unit = "radians" }
         [velocity]
         topics = ["/state"]
-        ned = ["vx", "vy", "vz"]
+        vector = ["vx", "vy", "vz"]
+        frame = "ned"
     "#;
     let mut log = Logbook::new();
     let channel = log.json("/state");
@@ -553,5 +556,17 @@ fn every_built_in_profile_is_well_formed_and_says_what_it_is_for() {
             profile.name
         })
         .collect();
-    assert_eq!(names, ["px4-ulog", "flat", "flat-deg"]);
+    assert_eq!(
+        names,
+        [
+            "px4-ulog",
+            "px4-ros2",
+            "mavros",
+            "ardupilot-ros2",
+            "dji-osdk",
+            "nav-msgs",
+            "flat",
+            "flat-deg"
+        ]
+    );
 }

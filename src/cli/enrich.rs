@@ -16,19 +16,21 @@ use flightcam::{
     enrich::{default_output, enrich},
     geometry::DepressionAngle,
     report::SampleReport,
-    source::profile::{Profile, ProfileChoice},
     transform::{Breaks, MaxGap},
 };
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
 
-use super::{Cli, Exit, complain};
+use super::{
+    Cli, Exit, complain,
+    telemetry::{EXAMPLES, TelemetryArguments},
+};
 
 /// Write a log again with /camera/relative_rpy and /camera/velocity
 ///
 /// Every byte of the log's data is kept as it is; the new channels lie behind it.
 #[derive(Debug, Args)]
 #[command(override_usage = "flightcam enrich <INPUT> --depression <DEG> [OPTIONS]")]
-#[command(after_help = "Example:\n  flightcam enrich flight.mcap --depression 30")]
+#[command(after_help = "Example:\n  flightcam enrich flight.mcap --depression 30", after_long_help = EXAMPLES)]
 pub struct Arguments {
     /// The flight log, an MCAP file
     input: PathBuf,
@@ -46,10 +48,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = max_gap, default_value = "5", allow_negative_numbers = true)]
     max_gap: MaxGap,
 
-    /// How the log names its telemetry: px4-ulog, flat, flat-deg, or a TOML file of one's own
-    /// [default: what fits]
-    #[arg(long, value_name = "NAME|FILE")]
-    profile: Option<String>,
+    #[command(flatten)]
+    telemetry: TelemetryArguments,
 
     /// Replace an output that exists
     #[arg(long)]
@@ -71,10 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let options = Options {
         depression,
         max_gap: arguments.max_gap,
-        profile: match &arguments.profile {
-            Some(name_or_file) => ProfileChoice::Given(Box::new(Profile::load(name_or_file)?)),
-            None => ProfileChoice::Automatic,
-        },
+        telemetry: arguments.telemetry.request()?,
         overwrite: arguments.force,
     };
     let input = &arguments.input;

@@ -1,20 +1,23 @@
 //! One channel of telemetry: its messages → samples.
 
-use mcap::records::Channel;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::{
-    Unresolved,
-    examples::Examples,
-    field::{FieldPath, FieldValue, Shape, Undecodable, Wanted},
-    json,
-    profile::{AngleUnit, Orientation, Profile},
-    protobuf,
+    binding::{
+        BoundComponents, BoundCondition, BoundOrientation, BoundTest, BoundTime, Quantity, Reading,
+        Role, Slot,
+    },
+    field::{FieldValue, Number, Slots, Wanted},
+    profile::convention::AngleUnit,
+    schema::{Decoder, Schema, Unresolved},
 };
 use crate::{
     geometry::RollPitchYaw,
-    log::{Log, record::RawMessage},
-    sample::{AttitudeSample, DropReason, Kind, Sample, Stamp, Velocity, VelocitySample},
+    log::record::RawMessage,
+    sample::{
+        AttitudeSample, DropReason, GimbalSample, Kind, Position, PositionSample, Sample, Stamp,
+        VelocitySample,
+    },
 };
 
 /// Lengths that a quaternion may have and still be taken for a rotation. Rounding and a filter's drift stay
@@ -25,13 +28,12 @@ const QUATERNION_LENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 #[derive(Debug)]
 pub struct ChannelSource {
     decoder: Decoder,
-    slots: Vec<FieldValue>,
-    attitude: Option<AttitudeSlots>,
-    velocity: Option<VelocitySlots>,
+    slots: Slots,
+    roles: Vec<Role>,
     largest: LargestAngles,
 }
 
-/// The largest Euler angles that were read, in the profile's unit; 0 where the log has quaternions.
+/// The largest of the attitude's Euler angles that were read as radians; 0 where there were none.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LargestAngles {
     pub pitch: f64,
@@ -48,99 +50,13 @@ impl LargestAngles {
     }
 }
 
-#[derive(Debug)]
-enum Decoder {
-    Protobuf(protobuf::Decoder),
-    Json(json::Decoder),
-}
-
-/// Where the decoder puts what an attitude is made of.
-#[derive(Debug)]
-struct AttitudeSlots {
-    orientation: OrientationSlots,
-    reset_counter: Option<usize>,
-}
-
-#[derive(Debug)]
-enum OrientationSlots {
-    Quaternion(usize),
-    Euler { rpy: [usize; 3], unit: AngleUnit },
-}
-
-#[derive(Debug)]
-struct VelocitySlots {
-    ned: [usize; 3],
-    valid: Vec<usize>,
-}
-
 impl ChannelSource {
-    /// Resolves the profile's fields for the wanted kinds of sample against a channel.
-    pub fn new(
-        log: &Log,
-        examples: &Examples,
-        channel: &Channel,
-        profile: &Profile,
-        kinds: &[Kind],
-    ) -> Result<Self, Unresolved> {
-        let mut wanted: Vec<Wanted> = Vec::new();
-        let mut slot_of = |path: &FieldPath, shape: Shape| {
-            let path = path.clone();
-            let field = Wanted { path, shape };
-            let known = wanted.iter().position(|other| *other == field);
-            known.unwrap_or_else(|| {
-                wanted.push(field);
-                wanted.len() - 1
-            })
-        };
-        let mut attitude = None;
-        let mut velocity = None;
-        if kinds.contains(&Kind::Attitude) {
-            let role = &profile.attitude;
-            let orientation = match &role.orientation {
-                Orientation::Quaternion(quaternion) => {
-                    OrientationSlots::Quaternion(slot_of(quaternion, Shape::List))
-                }
-                Orientation::Euler {
-                    roll,
-                    pitch,
-                    yaw,
-                    unit,
-                } => OrientationSlots::Euler {
-                    rpy: [roll, pitch, yaw].map(|path| slot_of(path, Shape::Number)),
-                    unit: *unit,
-                },
-            };
-            let reset_counter = match &role.reset_counter {
-                Some(counter) if counter.optional => {
-                    let alone = [Wanted {
-                        path: counter.field.clone(),
-                        shape: Shape::Number,
-                    }];
-                    let exists = Decoder::new(log, examples, channel, &alone).is_ok();
-                    exists.then(|| slot_of(&counter.field, Shape::Number))
-                }
-                counter => (counter.as_ref()).map(|c| slot_of(&c.field, Shape::Number)),
-            };
-            attitude = Some(AttitudeSlots {
-                orientation,
-                reset_counter,
-            });
-        }
-        if let Some(role) = &profile.velocity
-            && kinds.contains(&Kind::Velocity)
-        {
-            velocity = Some(VelocitySlots {
-                ned: (role.ned.each_ref()).map(|path| slot_of(path, Shape::Number)),
-                valid: (role.valid.iter())
-                    .map(|path| slot_of(path, Shape::Number))
-                    .collect(),
-            });
-        }
+    /// For roles that were bound to the channel's schema, which wants these fields.
+    pub fn new(schema: &Schema, wanted: &[Wanted], roles: Vec<Role>) -> Result<Self, Unresolved> {
         Ok(Self {
-            decoder: Decoder::new(log, examples, channel, &wanted)?,
-            slots: vec![FieldValue::default(); wanted.len()],
-            attitude,
-            velocity,
+            decoder: schema.decoder(wanted)?,
+            slots: Slots::new(wanted),
+            roles,
             largest: LargestAngles::default(),
         })
     }
@@ -151,143 +67,255 @@ impl ChannelSource {
         message: &RawMessage,
         mut emit: impl FnMut(Kind, Result<Sample, DropReason>),
     ) {
-        self.slots.iter_mut().for_each(FieldValue::clear);
+        self.slots.clear();
         let decoded = self.decoder.decode(message.payload, &mut self.slots);
-        let decoded = decoded.map_err(|Undecodable| DropReason::Undecodable);
-        let stamp = Stamp {
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-        };
-        if let Some(slots) = &self.attitude {
-            let sample = decoded.and_then(|()| {
-                let (orientation, angles) = slots.orientation.read(&self.slots)?;
-                self.largest = self.largest.max(angles);
-                let counter = slots
-                    .reset_counter
-                    .and_then(|slot| self.slots[slot].number());
-                Ok(Sample::Attitude(AttitudeSample {
-                    stamp,
-                    orientation,
-                    reset_counter: counter.map(|counter| counter as u64),
-                }))
+        let values = self.slots.values.as_slice();
+        for role in &self.roles {
+            let sample = decoded.map_err(DropReason::from).and_then(|()| {
+                let reading = reading_for(role, values)?;
+                self.largest = self.largest.max(largest_angles(&reading.quantity, values));
+                reading.sample(message, values)
             });
-            emit(Kind::Attitude, sample);
-        }
-        if let Some(slots) = &self.velocity {
-            let sample = decoded.and_then(|()| {
-                let velocity_ned = slots.read(&self.slots)?;
-                Ok(Sample::Velocity(VelocitySample {
-                    stamp,
-                    velocity: Velocity::Ned(velocity_ned),
-                }))
-            });
-            emit(Kind::Velocity, sample);
+            emit(role.kind, sample);
         }
     }
 
+    /// Reads only these kinds of sample; tells whether any is left.
+    pub fn keep(&mut self, kinds: &[Kind]) -> bool {
+        self.roles.retain(|role| kinds.contains(&role.kind));
+        !self.roles.is_empty()
+    }
+
+    /// Whether the times of samples are log times.
+    pub fn is_in_log_time(&self) -> bool {
+        let mut readings = self.roles.iter().flat_map(|role| &role.readings);
+        readings.all(|reading| matches!(reading.time, BoundTime::LogTime))
+    }
+
+    /// The largest Euler angles that were read as radians.
     pub fn largest_angles(&self) -> LargestAngles {
         self.largest
     }
 }
 
-impl Decoder {
-    fn new(
-        log: &Log,
-        examples: &Examples,
-        channel: &Channel,
-        wanted: &[Wanted],
-    ) -> Result<Self, Unresolved> {
-        let schema = log.contents.schema_of(channel);
-        let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
-        match (channel.message_encoding.as_str(), schema_encoding, schema) {
-            ("protobuf", "protobuf", Some(schema)) => {
-                let decoder = protobuf::Decoder::new(&schema.name, schema.data(), wanted);
-                decoder.map(Self::Protobuf)
-            }
-            ("json", "jsonschema" | "", schema) => {
-                let data = schema
-                    .map(|schema| schema.data())
-                    .filter(|data| !data.is_empty());
-                let examples = || examples.of(channel.id);
-                json::Decoder::new(data, wanted, examples).map(Self::Json)
-            }
-            (message_encoding, schema_encoding, _) => Err(Unresolved::Encoding {
-                message_encoding: message_encoding.to_owned(),
-                schema_encoding: schema_encoding.to_owned(),
+/// The reading that applies to a message.
+fn reading_for<'a>(role: &'a Role, values: &[FieldValue]) -> Result<&'a Reading, DropReason> {
+    for reading in &role.readings {
+        match &reading.condition {
+            Some(condition) if !condition.holds(values)? => {}
+            _ => return Ok(reading),
+        }
+    }
+    Err(DropReason::UnknownFrame)
+}
+
+impl BoundCondition {
+    fn holds(&self, values: &[FieldValue]) -> Result<bool, DropReason> {
+        let number = number(values, self.slot)?;
+        Ok(match self.test {
+            BoundTest::Is(wanted) => number == wanted,
+            BoundTest::HasBits(bits) => number as u64 & bits != 0,
+        })
+    }
+}
+
+impl Reading {
+    fn sample(&self, message: &RawMessage, values: &[FieldValue]) -> Result<Sample, DropReason> {
+        let stamp = Stamp {
+            log_time: self.time.read(message, values)?,
+            publish_time: message.publish_time,
+        };
+        let sample = match &self.quantity {
+            Quantity::Attitude {
+                orientation,
+                convention,
+                reset_counter,
+            } => Sample::Attitude(AttitudeSample {
+                stamp,
+                orientation: convention.attitude(orientation.read(values)?),
+                reset_counter: match reset_counter {
+                    Some(slot) => Some(number(values, *slot)? as u64),
+                    None => None,
+                },
             }),
-        }
-    }
-
-    fn decode(&self, message: &[u8], slots: &mut [FieldValue]) -> Result<(), Undecodable> {
-        match self {
-            Self::Protobuf(decoder) => decoder.decode(message, slots),
-            Self::Json(decoder) => decoder.decode(message, slots),
-        }
-    }
-}
-
-impl OrientationSlots {
-    /// The attitude, and the Euler angles of which it was made.
-    fn read(
-        &self,
-        slots: &[FieldValue],
-    ) -> Result<(UnitQuaternion<f64>, LargestAngles), DropReason> {
-        match self {
-            Self::Quaternion(slot) => {
-                let value = &slots[*slot];
-                if !value.is_present() {
-                    return Err(DropReason::MissingField);
-                }
-                if value.numbers().iter().any(|number| !number.is_finite()) {
-                    return Err(DropReason::NonFinite);
-                }
-                let [w, x, y, z] = value.four().ok_or(DropReason::NotARotation)?;
-                let quaternion = Quaternion::new(w, x, y, z);
-                if !QUATERNION_LENGTHS.contains(&quaternion.norm()) {
-                    return Err(DropReason::NotARotation);
-                }
-                let orientation = UnitQuaternion::from_quaternion(quaternion);
-                Ok((orientation, LargestAngles::default()))
+            Quantity::Velocity {
+                vector,
+                frame,
+                unit,
+            } => {
+                let vector = vector.finite(values)?;
+                let per = unit.per_metre_per_second();
+                Sample::Velocity(VelocitySample {
+                    stamp,
+                    velocity: frame.velocity(vector.map(|component| component / per)),
+                })
             }
-            Self::Euler { rpy, unit } => {
-                let [roll, pitch, yaw] = finite(rpy, slots)?;
-                let rpy = RollPitchYaw {
-                    roll: unit.to_radians(roll),
-                    pitch: unit.to_radians(pitch),
-                    yaw: unit.to_radians(yaw),
-                };
-                let angles = LargestAngles {
-                    pitch: pitch.abs(),
-                    roll_or_yaw: roll.abs().max(yaw.abs()),
-                };
-                Ok((rpy.to_quaternion(), angles))
+            Quantity::Gimbal {
+                orientation,
+                convention,
+                reference,
+            } => Sample::Gimbal(GimbalSample {
+                stamp,
+                orientation: convention.gimbal(orientation.read(values)?, *reference),
+                reference: *reference,
+            }),
+            Quantity::Geodetic {
+                latitude_longitude_altitude,
+                unit,
+                altitude_unit,
+            } => {
+                let [latitude, longitude, altitude] = latitude_longitude_altitude.finite(values)?;
+                Sample::Position(PositionSample {
+                    stamp,
+                    position: Position::Geodetic {
+                        latitude: unit.to_degrees(latitude),
+                        longitude: unit.to_degrees(longitude),
+                        altitude: altitude / altitude_unit.per_metre(),
+                    },
+                })
             }
-        }
-    }
-}
-
-impl VelocitySlots {
-    fn read(&self, slots: &[FieldValue]) -> Result<Vector3<f64>, DropReason> {
-        let velocity = finite(&self.ned, slots)?;
+            Quantity::Local {
+                vector,
+                frame,
+                unit,
+            } => {
+                let vector = vector.finite(values)?;
+                let metres = vector.map(|component| component / unit.per_metre());
+                Sample::Position(PositionSample {
+                    stamp,
+                    position: Position::Local(frame.ned(metres)),
+                })
+            }
+        };
         for &slot in &self.valid {
-            let valid = slots[slot].number().ok_or(DropReason::MissingField)?;
-            if valid == 0.0 {
+            if number(values, slot)? == 0.0 {
                 return Err(DropReason::MarkedInvalid);
             }
         }
-        Ok(velocity.into())
+        Ok(sample)
     }
 }
 
-/// Three numbers, if all are there and finite.
-fn finite(wanted: &[usize; 3], slots: &[FieldValue]) -> Result<[f64; 3], DropReason> {
-    let mut numbers = [0.0; 3];
-    for (number, &slot) in numbers.iter_mut().zip(wanted) {
-        *number = slots[slot].number().ok_or(DropReason::MissingField)?;
+impl BoundTime {
+    /// Nanoseconds since the log's epoch.
+    fn read(self, message: &RawMessage, values: &[FieldValue]) -> Result<u64, DropReason> {
+        let exact = |slot: Slot| values[slot].exact().ok_or(DropReason::MissingField);
+        let nanoseconds = match self {
+            Self::LogTime => Some(message.log_time),
+            Self::PublishTime => Some(message.publish_time),
+            Self::Number { slot, unit } => in_nanoseconds(exact(slot)?, unit.nanoseconds()),
+            Self::SecondsAndNanoseconds([seconds, nanoseconds]) => {
+                let seconds = in_nanoseconds(exact(seconds)?, 1_000_000_000);
+                let nanoseconds = in_nanoseconds(exact(nanoseconds)?, 1);
+                seconds.zip(nanoseconds).and_then(|(a, b)| a.checked_add(b))
+            }
+        };
+        nanoseconds.ok_or(DropReason::BadTime)
     }
-    if numbers.iter().all(|number| number.is_finite()) {
-        Ok(numbers)
-    } else {
-        Err(DropReason::NonFinite)
+}
+
+/// A time in nanoseconds, if it is one: not negative, finite, and not past the year 2554.
+fn in_nanoseconds(number: Number, unit: u64) -> Option<u64> {
+    match number {
+        Number::Unsigned(number) => number.checked_mul(unit),
+        Number::Signed(number) => u64::try_from(number).ok()?.checked_mul(unit),
+        Number::Real(number) => {
+            let nanoseconds = (number * unit as f64).round();
+            (0.0..u64::MAX as f64)
+                .contains(&nanoseconds)
+                .then_some(nanoseconds as u64)
+        }
     }
+}
+
+impl BoundOrientation {
+    fn read(&self, values: &[FieldValue]) -> Result<UnitQuaternion<f64>, DropReason> {
+        match self {
+            Self::Quaternion { components, order } => {
+                let numbers = components.read(values, DropReason::NotARotation)?;
+                let quaternion: Quaternion<f64> = order.quaternion(numbers);
+                if !QUATERNION_LENGTHS.contains(&quaternion.norm()) {
+                    return Err(DropReason::NotARotation);
+                }
+                Ok(UnitQuaternion::from_quaternion(quaternion))
+            }
+            Self::Euler { rpy, unit } => {
+                let [roll, pitch, yaw] = rpy.finite(values)?.map(|angle| unit.to_radians(angle));
+                Ok(RollPitchYaw { roll, pitch, yaw }.to_quaternion())
+            }
+            Self::Pitch {
+                slot,
+                unit,
+                positive,
+            } => {
+                let [angle] = BoundComponents::Each([*slot]).finite(values)?;
+                let pitch = positive.up(unit.to_radians(angle));
+                Ok(UnitQuaternion::from_axis_angle(&Vector3::y_axis(), pitch))
+            }
+        }
+    }
+}
+
+impl<const N: usize> BoundComponents<N> {
+    /// The numbers of a vector, if all are there and finite.
+    fn finite(&self, values: &[FieldValue]) -> Result<[f64; N], DropReason> {
+        self.read(values, DropReason::MissingField)
+    }
+
+    /// The numbers, if all are there and finite. A list of another length is dropped for the given reason.
+    fn read(
+        &self,
+        values: &[FieldValue],
+        wrong_length: DropReason,
+    ) -> Result<[f64; N], DropReason> {
+        let mut numbers = [0.0; N];
+        let mut has_all = true;
+        match self {
+            Self::List(slot) => {
+                let list = &values[*slot];
+                if !list.is_present() {
+                    return Err(DropReason::MissingField);
+                }
+                has_all = list.len() == N;
+                for (component, number) in numbers.iter_mut().zip(list.numbers()) {
+                    *component = number;
+                }
+            }
+            Self::Each(slots) => {
+                for (component, &slot) in numbers.iter_mut().zip(slots) {
+                    *component = number(values, slot)?;
+                }
+            }
+        }
+        if numbers.iter().any(|number| !number.is_finite()) {
+            return Err(DropReason::NonFinite);
+        }
+        match has_all {
+            true => Ok(numbers),
+            false => Err(wrong_length),
+        }
+    }
+}
+
+fn number(values: &[FieldValue], slot: Slot) -> Result<f64, DropReason> {
+    values[slot].number().ok_or(DropReason::MissingField)
+}
+
+fn largest_angles(quantity: &Quantity, values: &[FieldValue]) -> LargestAngles {
+    if let Quantity::Attitude {
+        orientation:
+            BoundOrientation::Euler {
+                rpy,
+                unit: AngleUnit::Radians,
+            },
+        ..
+    } = quantity
+        && let Ok([roll, pitch, yaw]) = rpy.finite(values)
+    {
+        return LargestAngles {
+            pitch: pitch.abs(),
+            roll_or_yaw: roll.abs().max(yaw.abs()),
+        };
+    }
+    LargestAngles::default()
 }

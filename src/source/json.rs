@@ -1,94 +1,123 @@
 //! Numbers out of JSON messages.
 
-use std::fmt;
+use std::{borrow::Cow, fmt};
 
-use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde_json::Value;
 
 use super::{
-    Unresolved,
-    field::{FieldPath, FieldTree, FieldValue, Node, Undecodable, Wanted},
+    examples::Examples,
+    field::{FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted},
+    path::{FieldPath, Step},
+    schema::{Unresolved, tree},
 };
-use crate::error::Error;
 
-/// Reads the wanted fields of one topic's messages.
+/// What is known of a channel's messages: what its JSON Schema lists, and what its first messages have. JSON
+/// needs no schema, and its schemas need not name every field.
 #[derive(Debug)]
-pub struct Decoder {
-    fields: FieldTree<String, usize>,
+pub struct Schema<'a> {
+    schema: Value,
+    examples: &'a Examples<'a>,
+    channel_id: u16,
 }
 
-impl Decoder {
-    /// Resolves fields. The value of the n-th field goes to slot n.
-    ///
-    /// JSON needs no schema, and its schemas need not name every field: a field counts as there if the JSON
-    /// Schema lists it, or if one of the topic's first messages has it. `examples` gives these when asked.
+/// Reads the wanted fields of one channel's messages.
+#[derive(Debug)]
+pub struct Decoder {
+    fields: Vec<(String, Tree)>,
+}
+
+type Tree = FieldTree<String, Leaf>;
+
+#[derive(Debug)]
+struct Leaf {
+    slot: usize,
+    /// The words among which a text is looked up; `None` where numbers are wanted.
+    words: Option<Vec<String>>,
+}
+
+impl<'a> Schema<'a> {
+    /// Of a channel, whose JSON Schema may be empty.
     pub fn new(
-        schema: Option<&[u8]>,
-        wanted: &[Wanted],
-        examples: impl FnOnce() -> Result<Vec<Vec<u8>>, Error>,
+        schema: &[u8],
+        examples: &'a Examples<'a>,
+        channel_id: u16,
     ) -> Result<Self, Unresolved> {
-        let schema: Value = match schema {
-            None => Value::Null,
-            Some(schema) => serde_json::from_slice(schema).map_err(|error| Unresolved::Schema {
+        let schema = match schema {
+            b"" => Value::Null,
+            schema => serde_json::from_slice(schema).map_err(|error| Unresolved::Schema {
                 problem: format!("its JSON schema cannot be read: {error}"),
             })?,
         };
-        let mut open = Vec::new();
-        let mut lacking = Vec::new();
-        for Wanted { path, .. } in wanted {
-            match look_up(&schema, path) {
-                Listing::Listed => {}
-                Listing::Open => open.push(path),
-                Listing::Closed => lacking.push(path.clone()),
-            }
-        }
-        if !lacking.is_empty() {
-            return Err(no_such_field(
-                lacking,
-                "its JSON schema",
-                &schema["properties"],
-            ));
-        }
-        if !open.is_empty() {
-            let lacks = |example: &Value| -> Vec<FieldPath> {
-                let lacking = open.iter().filter(|path| !has_field(example, path));
-                lacking.map(|path| (*path).clone()).collect()
-            };
-            let examples = examples()?;
-            let fullest = examples
-                .iter()
-                .filter_map(|json| serde_json::from_slice(json).ok())
-                .min_by_key(|example| lacks(example).len())
-                .unwrap_or_default();
-            let lacking = lacks(&fullest);
-            if !lacking.is_empty() {
-                let place = "the fullest of its first messages";
-                return Err(no_such_field(lacking, place, &fullest));
-            }
-        }
-        let mut fields = FieldTree::new();
-        for (slot, wanted) in wanted.iter().enumerate() {
-            fields.insert(wanted.path.names(), slot);
-        }
-        Ok(Self { fields })
+        Ok(Self {
+            schema,
+            examples,
+            channel_id,
+        })
     }
 
-    /// Reads a message's wanted fields into their slots, which must be cleared.
-    pub fn decode(&self, message: &[u8], slots: &mut [FieldValue]) -> Result<(), Undecodable> {
-        let mut json = serde_json::Deserializer::from_slice(message);
-        MessageSeed {
-            fields: &self.fields,
-            slots,
+    /// What a path leads to: as the JSON Schema says, and where that leaves it open, in one of the first messages.
+    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, Unresolved> {
+        let listed = match look_up(&self.schema, path) {
+            Listing::Closed => {
+                return Err(no_such_field(
+                    path,
+                    "its JSON schema",
+                    &self.schema["properties"],
+                ));
+            }
+            Listing::As(kind) => return Ok(kind),
+            Listing::Untyped => true,
+            Listing::Open => false,
+        };
+        let examples = self.examples.of(self.channel_id)?;
+        let found = examples.iter().filter_map(|example| find(example, path));
+        match found.max_by_key(|value| !value.is_null()) {
+            Some(value) => Ok(kind_of(value)),
+            None if listed => Ok(FieldKind::Unknown),
+            None => {
+                let fields =
+                    |example: &&Value| example.as_object().map_or(0, |object| object.len());
+                let fullest = examples.iter().max_by_key(fields);
+                let place = "the fullest of its first messages";
+                Err(no_such_field(path, place, fullest.unwrap_or(&Value::Null)))
+            }
         }
-        .deserialize(&mut json)?;
+    }
+
+    /// A decoder that puts the n-th wanted field into slot n.
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, Unresolved> {
+        let leaves = wanted
+            .iter()
+            .enumerate()
+            .map(|(slot, Wanted { path, shape })| {
+                let words = match shape {
+                    Shape::Word(words) => Some(words.clone()),
+                    Shape::Number | Shape::List => None,
+                };
+                let keys = path.steps().iter().map(Key::from);
+                (path, keys.collect(), Leaf { slot, words })
+            });
+        Ok(Decoder {
+            fields: tree(leaves.collect())?,
+        })
+    }
+}
+
+impl Decoder {
+    /// Reads a message's wanted fields into their slots, which must be cleared.
+    pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
+        let mut json = serde_json::Deserializer::from_slice(message);
+        let fields = &self.fields;
+        MessageSeed { fields, slots }.deserialize(&mut json)?;
         Ok(json.end()?)
     }
 }
 
-fn no_such_field(lacking: Vec<FieldPath>, place: &str, object: &Value) -> Unresolved {
+fn no_such_field(path: &FieldPath, place: &str, object: &Value) -> Unresolved {
     let object = object.as_object();
     Unresolved::NoSuchField {
-        lacking,
+        lacking: vec![path.clone()],
         place: place.to_owned(),
         available: object.map_or_else(Vec::new, |object| object.keys().cloned().collect()),
     }
@@ -96,7 +125,10 @@ fn no_such_field(lacking: Vec<FieldPath>, place: &str, object: &Value) -> Unreso
 
 /// What a JSON Schema says of a field.
 enum Listing {
-    Listed,
+    /// It lists the field, and of which kind it is.
+    As(FieldKind),
+    /// It lists the field.
+    Untyped,
     /// Nothing: there may be fields that it does not list.
     Open,
     /// It lists the fields there, and this one is not among them.
@@ -105,7 +137,17 @@ enum Listing {
 
 fn look_up(schema: &Value, path: &FieldPath) -> Listing {
     let mut within = schema;
-    for name in path.names() {
+    for step in path.steps() {
+        let name = match step {
+            Step::Name(name) => name,
+            Step::Index(_) => match within.get("items") {
+                Some(items) => {
+                    within = items;
+                    continue;
+                }
+                None => return Listing::Open,
+            },
+        };
         let properties = within.get("properties").and_then(Value::as_object);
         let Some(properties) = properties.filter(|properties| !properties.is_empty()) else {
             return Listing::Open;
@@ -119,20 +161,48 @@ fn look_up(schema: &Value, path: &FieldPath) -> Listing {
             None => return Listing::Closed,
         }
     }
-    Listing::Listed
+    match within["type"].as_str() {
+        Some("number" | "integer" | "boolean") => Listing::As(FieldKind::Number),
+        // Text may be a number too, so a message has to tell.
+        _ => Listing::Untyped,
+    }
 }
 
-fn has_field(example: &Value, path: &FieldPath) -> bool {
-    let mut names = path.names().iter();
-    names
-        .try_fold(example, |within, name| within.get(name))
-        .is_some()
+/// What a path leads to in a message.
+fn find<'a>(message: &'a Value, path: &FieldPath) -> Option<&'a Value> {
+    path.steps()
+        .iter()
+        .try_fold(message, |within, step| match step {
+            Step::Name(name) => within.get(name),
+            Step::Index(index) => within.get(index),
+        })
+}
+
+fn kind_of(value: &Value) -> FieldKind {
+    match value {
+        Value::Null => FieldKind::Unknown,
+        Value::Bool(_) | Value::Number(_) => FieldKind::Number,
+        Value::String(text) if number_in(text).is_some() => FieldKind::Number,
+        Value::String(_) => FieldKind::Text,
+        Value::Array(_) => FieldKind::List,
+        Value::Object(fields) => FieldKind::Message(fields.keys().cloned().collect()),
+    }
+}
+
+/// The number that a text is: how the JSON form of protobuf writes 64-bit integers, `NaN` and `Infinity`
+/// (<https://protobuf.dev/programming-guides/json/>), and how some loggers write all numbers.
+fn number_in(text: &str) -> Option<Number> {
+    let integer =
+        (text.parse().map(Number::Signed)).or_else(|_| text.parse().map(Number::Unsigned));
+    integer
+        .or_else(|_| text.trim().parse().map(Number::Real))
+        .ok()
 }
 
 /// An object: what is wanted of it goes to the slots, the rest is skipped without being built.
 struct MessageSeed<'a> {
-    fields: &'a FieldTree<String, usize>,
-    slots: &'a mut [FieldValue],
+    fields: &'a [(String, Tree)],
+    slots: &'a mut Slots,
 }
 
 impl<'de> DeserializeSeed<'de> for MessageSeed<'_> {
@@ -156,68 +226,134 @@ impl<'de> Visitor<'de> for MessageSeed<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        while let Some(name) = map.next_key::<std::borrow::Cow<str>>()? {
-            match self.fields.get(name.as_ref()) {
+        while let Some(name) = map.next_key::<Cow<str>>()? {
+            match self.fields.iter().find(|(wanted, _)| *wanted == name) {
                 None => {
                     map.next_value::<IgnoredAny>()?;
                 }
-                Some(Node::Message(fields)) => map.next_value_seed(MessageSeed {
-                    fields,
+                Some((_, node)) => map.next_value_seed(NodeSeed {
+                    node,
                     slots: &mut *self.slots,
                 })?,
-                Some(Node::Leaf(slot)) => {
-                    map.next_value_seed(NumberSeed(&mut self.slots[*slot]))?
-                }
             }
         }
         Ok(())
     }
 }
 
-/// A number, a truth value, a list of these, or `null` for a field that is missing.
-struct NumberSeed<'a>(&'a mut FieldValue);
+/// Whatever a key leads to.
+struct NodeSeed<'a> {
+    node: &'a Tree,
+    slots: &'a mut Slots,
+}
 
-impl<'de> DeserializeSeed<'de> for NumberSeed<'_> {
+impl<'de> DeserializeSeed<'de> for NodeSeed<'_> {
     type Value = ();
 
     fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(self)
+        let slots = self.slots;
+        match self.node {
+            FieldTree::Message(fields) => MessageSeed { fields, slots }.deserialize(deserializer),
+            FieldTree::List { elements, .. } => {
+                deserializer.deserialize_any(ElementsVisitor { elements, slots })
+            }
+            FieldTree::Leaf(leaf) => {
+                let words = leaf.words.as_deref();
+                let slot = &mut slots.values[leaf.slot];
+                deserializer.deserialize_any(LeafVisitor { words, slot })
+            }
+        }
     }
 }
 
-impl<'de> Visitor<'de> for NumberSeed<'_> {
+/// A list: what is wanted of its elements goes to the slots.
+struct ElementsVisitor<'a> {
+    elements: &'a [(usize, Tree)],
+    slots: &'a mut Slots,
+}
+
+impl<'de> Visitor<'de> for ElementsVisitor<'_> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number, a truth value, or a list of them")
+        f.write_str("a list")
     }
 
-    fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<(), E> {
-        self.0.set(number);
-        Ok(())
-    }
-
-    fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<(), E> {
-        self.visit_f64(number as f64)
-    }
-
-    fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<(), E> {
-        self.visit_f64(number as f64)
-    }
-
-    fn visit_bool<E: serde::de::Error>(self, truth: bool) -> Result<(), E> {
-        self.visit_f64(f64::from(u8::from(truth)))
-    }
-
+    /// `null` for a list leaves all of its elements missing.
     fn visit_unit<E: serde::de::Error>(self) -> Result<(), E> {
-        self.0.clear();
         Ok(())
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        self.0.set_empty_list();
+        for index in 0.. {
+            let more = match self.elements.iter().find(|(wanted, _)| *wanted == index) {
+                None => seq.next_element::<IgnoredAny>()?.is_some(),
+                Some((_, node)) => {
+                    let slots = &mut *self.slots;
+                    seq.next_element_seed(NodeSeed { node, slots })?.is_some()
+                }
+            };
+            if !more {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A number, a truth value, a list of numbers, a text, or `null` for a field that is missing.
+struct LeafVisitor<'a> {
+    words: Option<&'a [String]>,
+    slot: &'a mut FieldValue,
+}
+
+impl<'de> Visitor<'de> for LeafVisitor<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number, a truth value, a list of numbers, or text")
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<(), E> {
+        self.slot.set(number);
+        Ok(())
+    }
+
+    fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<(), E> {
+        self.slot.set(number);
+        Ok(())
+    }
+
+    fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<(), E> {
+        self.slot.set(number);
+        Ok(())
+    }
+
+    fn visit_bool<E: serde::de::Error>(self, truth: bool) -> Result<(), E> {
+        self.slot.set(truth);
+        Ok(())
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<(), E> {
+        match self.words {
+            Some(words) => self.slot.set_word(words, text.as_bytes()),
+            None => {
+                let not_a_number = || E::invalid_type(Unexpected::Str(text), &"a number");
+                self.slot.set(number_in(text).ok_or_else(not_a_number)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn visit_unit<E: serde::de::Error>(self) -> Result<(), E> {
+        self.slot.clear();
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        self.slot.set_empty_list();
         while let Some(number) = seq.next_element::<Option<f64>>()? {
-            self.0.push(number.unwrap_or(f64::NAN));
+            self.slot.push(number.unwrap_or(f64::NAN));
         }
         Ok(())
     }

@@ -1,17 +1,27 @@
-//! Profiles: how an autopilot or a logger names its telemetry.
+//! Profiles: how an autopilot or a logger names its telemetry, and in which conventions it writes it.
 //!
-//! A profile is a TOML file. The built-in ones lie in `profiles/` and are embedded in the program.
+//! A profile is a TOML file. The built-in ones lie in `profiles/` and are embedded in the program. For each
+//! role, the attitude, the velocity, the gimbal and the position, it lists alternatives in order of preference.
+
+pub mod convention;
+
+mod text;
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::field::FieldPath;
-use crate::{error::Error, sample::Kind};
+use super::path::FieldPath;
+use crate::{error::Error, sample::GimbalReference};
+use convention::{
+    AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
+    SpeedUnit, TimeUnit, VelocityFrame,
+};
 
-/// Where a log of one kind has its telemetry, and in which convention.
+/// Where a log of one kind has its telemetry, and in which conventions.
+///
+/// Unknown keys are refused by [`Profile::parse`].
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
 pub struct Profile {
     /// What the report calls it.
     pub name: String,
@@ -21,61 +31,300 @@ pub struct Profile {
     /// Whether the profile is tried on a log for which none was named.
     #[serde(default = "yes")]
     pub automatic: bool,
-    /// Where the drone's attitude is.
-    pub attitude: AttitudeRole,
-    /// Without it there is no velocity in the result.
-    pub velocity: Option<VelocityRole>,
+    /// Whether all of its topics may stand in a vehicle's namespace: `/drone1/mavros/…` for `/mavros/…`.
+    #[serde(default)]
+    pub namespaced: bool,
+    /// What the time of a sample is.
+    #[serde(default)]
+    pub time: TimeSource,
+    /// Where the drone's attitude is. At least one.
+    #[serde(with = "text::one_or_more")]
+    pub attitude: Vec<AttitudeSource>,
+    /// Where the drone's velocity over ground is. Without one there is no velocity in the result.
+    #[serde(
+        default,
+        with = "text::one_or_more",
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    pub velocity: Vec<VelocitySource>,
+    /// Where the angles of a gimbal that moves are.
+    #[serde(
+        default,
+        with = "text::one_or_more",
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    pub gimbal: Vec<GimbalSource>,
+    /// Where the drone's position is.
+    #[serde(
+        default,
+        with = "text::one_or_more",
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    pub position: Vec<PositionSource>,
 }
 
-/// Where the drone's attitude is: FRD in NED.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct AttitudeRole {
-    /// Topics in order of preference. Empty: any one topic whose messages have all of the fields.
-    #[serde(default)]
+/// Which messages an alternative reads, whatever it reads from them.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
+#[serde(default)]
+pub struct Place {
+    /// Topics in order of preference; `{n}` in one stands for any number, the largest first. Empty: for an
+    /// attitude any one topic whose messages have all of the fields, else the attitude's own messages.
     pub topics: Vec<String>,
+    /// The names of message types, of which a channel must have one. Empty: any. A `/msg/` within makes no
+    /// difference.
+    pub schemas: Vec<String>,
+    /// What must hold for a message to be read so. One for which no alternative holds is dropped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub when: Option<Condition>,
+    /// Fields of which each must be true (not 0) for a sample to be valid.
+    pub valid: Vec<FieldPath>,
+    /// What the time of a sample is, where it is not the profile's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<TimeSource>,
+}
+
+/// Where the drone's attitude is, and in which convention.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct AttitudeSource {
+    /// Which messages.
+    #[serde(flatten)]
+    pub place: Place,
     /// How the drone lies.
     pub orientation: Orientation,
+    /// Between which frames the orientation turns.
+    #[serde(default)]
+    pub convention: Convention,
     /// A count of the estimator's jumps.
     pub reset_counter: Option<OptionalField>,
+}
+
+/// Where the drone's velocity over ground is, and in which axes.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct VelocitySource {
+    /// Which messages.
+    #[serde(flatten)]
+    pub place: Place,
+    /// The velocity.
+    pub vector: Components<3>,
+    /// Its axes.
+    pub frame: VelocityFrame,
+    /// Its unit.
+    #[serde(default)]
+    pub unit: SpeedUnit,
+    /// Whether the profile fits only a log that has it.
+    #[serde(default)]
+    pub required: bool,
+}
+
+/// Where the angles of a gimbal are, and what they are measured from.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct GimbalSource {
+    /// Which messages.
+    #[serde(flatten)]
+    pub place: Place,
+    /// How it holds the camera.
+    pub orientation: GimbalOrientation,
+    /// What the angles are measured from.
+    pub reference: GimbalReference,
+    /// Between which frames the orientation turns: [`Convention::FluEnu`] if camera and reference have their z
+    /// axes up.
+    #[serde(default)]
+    pub convention: Convention,
+}
+
+/// Where the drone's position is.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct PositionSource {
+    /// Which messages.
+    #[serde(flatten)]
+    pub place: Place,
+    /// The fields.
+    #[serde(flatten)]
+    pub coordinates: Coordinates,
 }
 
 /// The fields that say how the drone lies.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Orientation {
-    /// A list of four numbers: w, x, y, z.
-    Quaternion(FieldPath),
+    /// A rotation.
+    Quaternion(Quaternion),
     /// Fixed-axis roll, pitch, yaw (intrinsic ZYX).
-    Euler {
-        /// About the front axis.
-        roll: FieldPath,
-        /// About the right axis.
-        pitch: FieldPath,
-        /// About the down axis.
-        yaw: FieldPath,
-        /// Of all three.
+    Euler(Euler),
+}
+
+/// The fields that say how a gimbal holds the camera.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum GimbalOrientation {
+    /// A rotation.
+    Quaternion(Quaternion),
+    /// Fixed-axis roll, pitch, yaw (intrinsic ZYX).
+    Euler(Euler),
+    /// The angle of the optical axis over the horizon alone: no roll, and no yaw.
+    Pitch(Pitch),
+}
+
+/// The fields of a quaternion: one that has all of it, or four in the given order.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(from = "QuaternionText")]
+pub struct Quaternion {
+    /// The fields.
+    pub fields: Components<4>,
+    /// The order of a list, or of the fields. A message's are told by their names.
+    pub order: QuaternionOrder,
+}
+
+/// The ways to write a quaternion's fields.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum QuaternionText {
+    Ordered {
+        fields: Components<4>,
+        order: QuaternionOrder,
+    },
+    Plain(Components<4>),
+}
+
+impl From<QuaternionText> for Quaternion {
+    fn from(text: QuaternionText) -> Self {
+        match text {
+            QuaternionText::Ordered { fields, order } => Self { fields, order },
+            QuaternionText::Plain(fields) => Self {
+                fields,
+                order: QuaternionOrder::default(),
+            },
+        }
+    }
+}
+
+/// The fields of fixed-axis angles, `R = Rz(yaw) Ry(pitch) Rx(roll)`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Euler {
+    /// About the front axis.
+    pub roll: FieldPath,
+    /// About the side axis.
+    pub pitch: FieldPath,
+    /// About the vertical axis.
+    pub yaw: FieldPath,
+    /// Of all three.
+    pub unit: AngleUnit,
+}
+
+/// The field of a pitch angle.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pitch {
+    /// The field.
+    pub field: FieldPath,
+    /// Its unit.
+    pub unit: AngleUnit,
+    /// Which way is positive.
+    #[serde(default)]
+    pub positive: PositiveDirection,
+}
+
+/// The fields of a position.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Coordinates {
+    /// On the globe.
+    Geodetic {
+        /// North of the equator.
+        latitude: FieldPath,
+        /// East of Greenwich.
+        longitude: FieldPath,
+        /// Above whatever the log takes for zero.
+        altitude: FieldPath,
+        /// Of latitude and longitude.
         unit: AngleUnit,
+        /// Of the altitude.
+        #[serde(default)]
+        altitude_unit: LengthUnit,
+    },
+    /// From an origin of the log's own.
+    Local {
+        /// The place.
+        vector: Components<3>,
+        /// Its axes.
+        frame: PositionFrame,
+        /// Its unit.
+        #[serde(default)]
+        unit: LengthUnit,
     },
 }
 
-/// The unit of an angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum AngleUnit {
-    /// One turn is 2π.
-    Radians,
-    /// One turn is 360.
-    Degrees,
+/// The fields of a vector or a quaternion: one that is a list of numbers or a message with `x`, `y`, `z` (and
+/// `w`), or a field for each component.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "ComponentsText", into = "ComponentsText")]
+pub enum Components<const N: usize> {
+    /// All in one.
+    Together(FieldPath),
+    /// Each by itself.
+    Each([FieldPath; N]),
 }
 
-impl AngleUnit {
-    /// An angle of this unit in radians.
-    pub fn to_radians(self, angle: f64) -> f64 {
-        match self {
-            AngleUnit::Radians => angle,
-            AngleUnit::Degrees => angle.to_radians(),
+/// The ways to write the fields of components.
+#[derive(Deserialize, Serialize)]
+#[serde(untagged)]
+enum ComponentsText {
+    Together(FieldPath),
+    Each(Vec<FieldPath>),
+}
+
+impl<const N: usize> TryFrom<ComponentsText> for Components<N> {
+    type Error = String;
+
+    fn try_from(text: ComponentsText) -> Result<Self, String> {
+        match text {
+            ComponentsText::Together(path) => Ok(Self::Together(path)),
+            ComponentsText::Each(paths) => Self::of(&paths),
         }
+    }
+}
+
+impl<const N: usize> From<Components<N>> for ComponentsText {
+    fn from(components: Components<N>) -> Self {
+        match components {
+            Components::Together(path) => Self::Together(path),
+            Components::Each(paths) => Self::Each(paths.to_vec()),
+        }
+    }
+}
+
+impl<const N: usize> Components<N> {
+    /// Of one field, or of as many as there are components.
+    ///
+    /// # Errors
+    /// There are more or fewer.
+    pub fn of(paths: &[FieldPath]) -> Result<Self, String> {
+        match paths {
+            [path] => Ok(Self::Together(path.clone())),
+            paths => match paths.to_vec().try_into() {
+                Ok(each) => Ok(Self::Each(each)),
+                Err(_) => Err(format!(
+                    "{} fields were given; it takes one or {N}",
+                    paths.len()
+                )),
+            },
+        }
+    }
+
+    /// The fields.
+    pub fn paths(&self) -> Vec<&FieldPath> {
+        match self {
+            Self::Together(path) => vec![path],
+            Self::Each(paths) => paths.iter().collect(),
+        }
+    }
+}
+
+impl Euler {
+    /// The fields: roll, pitch, yaw.
+    pub fn paths(&self) -> Vec<&FieldPath> {
+        vec![&self.roll, &self.pitch, &self.yaw]
     }
 }
 
@@ -90,43 +339,115 @@ pub struct OptionalField {
     pub optional: bool,
 }
 
-/// Where the drone's velocity over ground is.
+/// What must hold for a message to be read in a certain way.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct VelocityRole {
-    /// Topics in order of preference. Empty: the attitude's own messages have the velocity as well.
-    #[serde(default)]
-    pub topics: Vec<String>,
-    /// Its components to north, east and down, m/s.
-    pub ned: [FieldPath; 3],
-    /// Fields of which each must be true (not 0) for a sample to be valid.
-    #[serde(default)]
-    pub valid: Vec<FieldPath>,
+pub struct Condition {
+    /// The field that tells.
+    pub field: FieldPath,
+    /// What it must hold.
+    #[serde(flatten)]
+    pub test: Test,
+}
+
+/// What a field must hold.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Test {
+    /// This number.
+    Is(i64),
+    /// This text.
+    Says(String),
+    /// A number with any of these bits.
+    HasBits(u64),
+}
+
+/// What the time of a sample is.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum TimeSource {
+    /// When the recorder received the message.
+    #[default]
+    LogTime,
+    /// When the message was published.
+    PublishTime,
+    /// What a field of the message says: a number, or a message of seconds and nanoseconds.
+    Field {
+        /// The field.
+        path: FieldPath,
+        /// Of a number.
+        #[serde(default)]
+        unit: TimeUnit,
+    },
 }
 
 /// Which profile to use.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum ProfileChoice {
-    /// The first built-in one that fits the log.
+    /// The built-in one that fits the log best.
     #[default]
     Automatic,
     /// This one, whatever the log looks like.
     Given(Box<Profile>),
 }
 
-const BUILT_IN: [&str; 3] = [
+/// The built-in profiles, in the order in which they are listed.
+const BUILT_IN: [&str; 8] = [
     include_str!("../../profiles/px4-ulog.toml"),
+    include_str!("../../profiles/px4-ros2.toml"),
+    include_str!("../../profiles/mavros.toml"),
+    include_str!("../../profiles/ardupilot-ros2.toml"),
+    include_str!("../../profiles/dji-osdk.toml"),
+    include_str!("../../profiles/nav-msgs.toml"),
     include_str!("../../profiles/flat.toml"),
     include_str!("../../profiles/flat-deg.toml"),
 ];
 
 impl Profile {
-    /// The built-in profiles, in the order in which they are tried.
+    /// The built-in profiles.
     pub fn built_in() -> Vec<Self> {
         BUILT_IN
             .iter()
-            .map(|text| toml::from_str(text).expect("the built-in profiles are tested"))
+            .map(|text| Self::parse(text).expect("the built-in profiles are tested"))
             .collect()
+    }
+
+    /// The text of a built-in profile, with the sources of its conventions.
+    ///
+    /// # Errors
+    /// There is none of that name.
+    pub fn built_in_text(name: &str) -> Result<&'static str, Error> {
+        let profiles = Self::built_in();
+        let place = profiles.iter().position(|profile| profile.name == name);
+        place
+            .map(|place| BUILT_IN[place])
+            .ok_or_else(|| Error::UnknownProfile {
+                name: name.to_owned(),
+                builtin: profiles.into_iter().map(|profile| profile.name).collect(),
+            })
+    }
+
+    /// A profile that has an attitude and nothing else.
+    pub fn of_attitude(name: &str, attitude: AttitudeSource) -> Self {
+        Self {
+            name: name.to_owned(),
+            description: String::new(),
+            automatic: false,
+            namespaced: false,
+            time: TimeSource::default(),
+            attitude: vec![attitude],
+            velocity: Vec::new(),
+            gimbal: Vec::new(),
+            position: Vec::new(),
+        }
+    }
+
+    /// Reads a profile from TOML.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn parse(toml: &str) -> Result<Self, String> {
+        text::parse(toml)
     }
 
     /// A built-in profile by name, or one from a file: whatever ends in `.toml` or has a folder in its name
@@ -140,57 +461,16 @@ impl Profile {
             .extension()
             .is_some_and(|extension| extension == "toml")
             || path.components().count() > 1;
-        if is_file {
-            let bad = |problem: String| Error::BadProfile {
-                path: path.into(),
-                problem,
-            };
-            let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
-            return toml::from_str(&text).map_err(|error| bad(error.to_string().trim().to_owned()));
-        }
-        let mut built_in = Self::built_in();
-        match built_in
-            .iter()
-            .position(|profile| profile.name == name_or_file)
-        {
-            Some(index) => Ok(built_in.swap_remove(index)),
-            None => Err(Error::UnknownProfile {
-                name: name_or_file.to_owned(),
-                builtin: built_in.into_iter().map(|profile| profile.name).collect(),
-            }),
-        }
-    }
-
-    /// The fields that a message must have for these kinds of sample.
-    pub fn required_fields(&self, kinds: &[Kind]) -> Vec<FieldPath> {
-        let mut fields = Vec::new();
-        if kinds.contains(&Kind::Attitude) {
-            fields.extend(self.attitude.required_fields());
-        }
-        if let Some(velocity) = &self.velocity
-            && kinds.contains(&Kind::Velocity)
-        {
-            fields.extend(velocity.ned.iter().chain(&velocity.valid).cloned());
-        }
-        fields
-    }
-}
-
-impl AttitudeRole {
-    /// The fields that a message with the attitude must have.
-    pub fn required_fields(&self) -> Vec<FieldPath> {
-        let mut fields = match &self.orientation {
-            Orientation::Quaternion(quaternion) => vec![quaternion.clone()],
-            Orientation::Euler {
-                roll, pitch, yaw, ..
-            } => vec![roll.clone(), pitch.clone(), yaw.clone()],
+        let bad = |problem: String| Error::BadProfile {
+            path: path.into(),
+            problem,
         };
-        let counter = self
-            .reset_counter
-            .as_ref()
-            .filter(|counter| !counter.optional);
-        fields.extend(counter.map(|counter| counter.field.clone()));
-        fields
+        if is_file {
+            let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
+            Self::parse(&text).map_err(bad)
+        } else {
+            Self::parse(Self::built_in_text(name_or_file)?).map_err(bad)
+        }
     }
 }
 

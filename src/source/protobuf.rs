@@ -10,23 +10,39 @@ use prost::{
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
 use super::{
-    Unresolved,
-    field::{FieldPath, FieldTree, FieldValue, Node, Shape, Undecodable, Wanted},
+    field::{FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted},
+    path::{FieldPath, Step},
+    schema::{Unresolved, tree},
 };
+
+/// A message type, with those that it is made of.
+#[derive(Debug)]
+pub struct Schema {
+    message: MessageDescriptor,
+}
 
 /// Reads the wanted fields of one message type.
 #[derive(Debug)]
 pub struct Decoder {
-    fields: FieldTree<u32, Leaf>,
+    fields: Vec<(u32, Tree)>,
 }
 
-#[derive(Debug, Clone, Copy)]
+type Tree = FieldTree<u32, Leaf>;
+
+#[derive(Debug, Clone)]
 struct Leaf {
     slot: usize,
-    scalar: Scalar,
+    content: Content,
     is_list: bool,
     /// Whether a message can leave the field out, as opposed to having its default.
     has_presence: bool,
+}
+
+#[derive(Debug, Clone)]
+enum Content {
+    Scalar(Scalar),
+    /// Text, wanted as its place among these words.
+    Text(Vec<String>),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -46,105 +62,180 @@ enum Scalar {
     Bool,
 }
 
-impl Decoder {
-    /// Resolves fields against a schema: a serialised `FileDescriptorSet` and a message's full name. The
-    /// value of the n-th field goes to slot n.
-    pub fn new(schema_name: &str, schema: &[u8], wanted: &[Wanted]) -> Result<Self, Unresolved> {
+/// Where a path leads.
+struct Target {
+    /// The last field that the path names.
+    field: FieldDescriptor,
+    /// Whether the path goes on to an element of that field's list.
+    is_element: bool,
+    keys: Vec<Key<u32>>,
+}
+
+impl Schema {
+    /// Of a serialised `FileDescriptorSet` and a message's full name.
+    pub fn new(name: &str, descriptors: &[u8]) -> Result<Self, Unresolved> {
         let unreadable = |problem: String| Unresolved::Schema { problem };
-        let pool = DescriptorPool::decode(schema)
+        let pool = DescriptorPool::decode(descriptors)
             .map_err(|error| unreadable(format!("its protobuf schema cannot be read: {error}")))?;
-        let message = pool.get_message_by_name(schema_name).ok_or_else(|| {
-            unreadable(format!(
-                "its protobuf schema does not define `{schema_name}`"
-            ))
-        })?;
-        let mut fields = FieldTree::new();
-        let mut all_lacking: Option<Unresolved> = None;
-        for (slot, wanted) in wanted.iter().enumerate() {
-            match (resolve(&message, &wanted.path), &mut all_lacking) {
-                (Ok(chain), _) => {
-                    let last = chain.last().expect("a path has at least one name");
-                    let numbers: Vec<u32> = chain.iter().map(FieldDescriptor::number).collect();
-                    fields.insert(&numbers, Leaf::new(slot, last, wanted)?);
-                }
-                // All of them are told at once.
-                (
-                    Err(Unresolved::NoSuchField { lacking: more, .. }),
-                    Some(Unresolved::NoSuchField { lacking, .. }),
-                ) => lacking.extend(more),
-                (Err(first @ Unresolved::NoSuchField { .. }), none) => *none = Some(first),
-                (Err(other), _) => return Err(other),
-            }
-        }
-        all_lacking.map_or(Ok(Self { fields }), Err)
+        let message = pool
+            .get_message_by_name(name)
+            .ok_or_else(|| unreadable(format!("its protobuf schema does not define `{name}`")))?;
+        Ok(Self { message })
     }
 
+    /// What a path leads to.
+    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, Unresolved> {
+        self.resolve(path).map(|target| target.kind())
+    }
+
+    /// A decoder that puts the n-th wanted field into slot n.
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, Unresolved> {
+        let mut leaves = Vec::new();
+        for (slot, Wanted { path, shape }) in wanted.iter().enumerate() {
+            let Target { field, keys, .. } = self.resolve(path)?;
+            let content = match shape {
+                Shape::Word(words) => Content::Text(words.clone()),
+                Shape::Number | Shape::List => {
+                    Content::Scalar(Scalar::of(&field).expect("the field has numbers"))
+                }
+            };
+            let leaf = Leaf {
+                slot,
+                content,
+                is_list: *shape == Shape::List,
+                has_presence: field.supports_presence(),
+            };
+            leaves.push((path, keys, leaf));
+        }
+        Ok(Decoder {
+            fields: tree(leaves)?,
+        })
+    }
+
+    fn resolve(&self, path: &FieldPath) -> Result<Target, Unresolved> {
+        let mut target: Option<Target> = None;
+        for step in path.steps() {
+            let is_not = |target: &Target| Unresolved::NotThere {
+                path: path.clone(),
+                through: target.field.name().to_owned(),
+                kind: target.kind().describe(),
+            };
+            target = Some(match (step, target) {
+                (Step::Name(name), within) => {
+                    let (message, mut keys) = match within {
+                        None => (self.message.clone(), Vec::new()),
+                        Some(target) => match target.message() {
+                            Some(message) => (message, target.keys),
+                            None => return Err(is_not(&target)),
+                        },
+                    };
+                    let field = message.get_field_by_name(name);
+                    let field = field.ok_or_else(|| Unresolved::NoSuchField {
+                        lacking: vec![path.clone()],
+                        place: message.full_name().to_owned(),
+                        available: names(&message),
+                    })?;
+                    keys.push(Key::Name(field.number()));
+                    Target {
+                        field,
+                        is_element: false,
+                        keys,
+                    }
+                }
+                (Step::Index(index), Some(mut target)) if target.is_list() => {
+                    target.keys.push(Key::Index(*index));
+                    target.is_element = true;
+                    target
+                }
+                (Step::Index(_), Some(target)) => return Err(is_not(&target)),
+                (Step::Index(_), None) => unreachable!("a path starts with a name"),
+            });
+        }
+        Ok(target.expect("a path starts with a name"))
+    }
+}
+
+impl Target {
+    fn is_list(&self) -> bool {
+        self.field.is_list() && !self.is_element
+    }
+
+    /// The message that a path may go on into.
+    fn message(&self) -> Option<MessageDescriptor> {
+        match self.field.kind() {
+            Kind::Message(inner) if !self.is_list() && !self.field.is_map() => Some(inner),
+            _ => None,
+        }
+    }
+
+    fn kind(&self) -> FieldKind {
+        let is_number = Scalar::of(&self.field).is_some();
+        match self.field.kind() {
+            _ if self.field.is_map() => FieldKind::Other("a map"),
+            _ if self.is_list() && is_number => FieldKind::List,
+            _ if self.is_list() => FieldKind::Other("a list, but not of numbers"),
+            _ if is_number => FieldKind::Number,
+            Kind::String => FieldKind::Text,
+            Kind::Message(inner) => FieldKind::Message(names(&inner)),
+            _ => FieldKind::Other("a string of bytes"),
+        }
+    }
+}
+
+fn names(message: &MessageDescriptor) -> Vec<String> {
+    message
+        .fields()
+        .map(|field| field.name().to_owned())
+        .collect()
+}
+
+impl Decoder {
     /// Reads a message's wanted fields into their slots, which must be cleared.
-    pub fn decode(&self, message: &[u8], slots: &mut [FieldValue]) -> Result<(), Undecodable> {
+    pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
         read_message(&self.fields, message, slots)
     }
 }
 
-fn resolve(
-    message: &MessageDescriptor,
-    path: &FieldPath,
-) -> Result<Vec<FieldDescriptor>, Unresolved> {
-    let mut within = Some(message.clone());
-    let mut chain: Vec<FieldDescriptor> = Vec::new();
-    for name in path.names() {
-        let Some(parent) = within else {
-            return Err(Unresolved::NotAMessage {
-                path: path.clone(),
-                name: chain
-                    .last()
-                    .map_or_else(String::new, |f| f.name().to_owned()),
-            });
-        };
-        let field = parent
-            .get_field_by_name(name)
-            .ok_or_else(|| Unresolved::NoSuchField {
-                lacking: vec![path.clone()],
-                place: parent.full_name().to_owned(),
-                available: parent.fields().map(|f| f.name().to_owned()).collect(),
-            })?;
-        within = match field.kind() {
-            Kind::Message(inner) if !field.is_list() && !field.is_map() => Some(inner),
-            _ => None,
-        };
-        chain.push(field);
-    }
-    Ok(chain)
-}
-
 impl Leaf {
-    fn new(slot: usize, field: &FieldDescriptor, wanted: &Wanted) -> Result<Self, Unresolved> {
-        let wrong = |kind| Unresolved::WrongShape {
-            path: wanted.path.clone(),
-            wanted: match wanted.shape {
-                Shape::Number => "a number",
-                Shape::List => "a list of numbers",
-            },
-            kind,
-        };
-        let scalar = Scalar::of(field).ok_or_else(|| {
-            wrong(match field.kind() {
-                _ if field.is_map() => "map",
-                Kind::String => "string",
-                Kind::Bytes => "string of bytes",
-                _ => "message",
-            })
-        })?;
-        match (wanted.shape, field.is_list()) {
-            (Shape::Number, true) => return Err(wrong("list")),
-            (Shape::List, false) => return Err(wrong("single number")),
-            (Shape::Number, false) | (Shape::List, true) => {}
+    /// Reads a value that is not a list.
+    fn read_one(
+        &self,
+        wire_type: WireType,
+        bytes: &mut &[u8],
+        slot: &mut FieldValue,
+    ) -> Result<(), Undecodable> {
+        match &self.content {
+            Content::Text(words) if wire_type == WireType::LengthDelimited => {
+                slot.set_word(words, take_delimited(bytes)?);
+            }
+            Content::Scalar(scalar) if wire_type == scalar.wire_type() => {
+                let number = scalar.read(bytes)?;
+                match self.is_list {
+                    true => slot.push(number),
+                    false => slot.set(number),
+                }
+            }
+            _ => return Err(Undecodable::Malformed),
         }
-        Ok(Self {
-            slot,
-            scalar,
-            is_list: field.is_list(),
-            has_presence: field.supports_presence(),
-        })
+        Ok(())
+    }
+
+    fn scalar(&self) -> Option<Scalar> {
+        match self.content {
+            Content::Scalar(scalar) => Some(scalar),
+            Content::Text(_) => None,
+        }
+    }
+
+    /// Sets what the field has where a message does not mention it.
+    fn set_default(&self, slot: &mut FieldValue) {
+        match &self.content {
+            // A message may come in parts, of which the later ones add to the earlier.
+            _ if slot.is_present() || self.has_presence => {}
+            Content::Scalar(_) if self.is_list => slot.set_empty_list(),
+            Content::Scalar(_) => slot.set(0.0),
+            Content::Text(words) => slot.set_word(words, b""),
+        }
     }
 }
 
@@ -176,85 +267,126 @@ impl Scalar {
         }
     }
 
-    fn read(self, bytes: &mut &[u8]) -> Result<f64, Undecodable> {
+    fn read(self, bytes: &mut &[u8]) -> Result<Number, Undecodable> {
         let needed = match self.wire_type() {
             WireType::SixtyFourBit => 8,
             WireType::ThirtyTwoBit => 4,
             _ => 0,
         };
         if bytes.remaining() < needed {
-            return Err(Undecodable);
+            return Err(Undecodable::Malformed);
         }
         Ok(match self {
-            Self::Double => bytes.get_f64_le(),
-            Self::Float => bytes.get_f32_le().into(),
-            Self::Fixed32 => bytes.get_u32_le().into(),
-            Self::Fixed64 => bytes.get_u64_le() as f64,
-            Self::Sfixed32 => bytes.get_i32_le().into(),
-            Self::Sfixed64 => bytes.get_i64_le() as f64,
+            Self::Double => bytes.get_f64_le().into(),
+            Self::Float => f64::from(bytes.get_f32_le()).into(),
+            Self::Fixed32 => u64::from(bytes.get_u32_le()).into(),
+            Self::Fixed64 => bytes.get_u64_le().into(),
+            Self::Sfixed32 => i64::from(bytes.get_i32_le()).into(),
+            Self::Sfixed64 => bytes.get_i64_le().into(),
             // Negative 32-bit numbers are written as 64-bit ones.
-            Self::Int32 => f64::from(decode_varint(bytes)? as i32),
-            Self::Int64 => decode_varint(bytes)? as i64 as f64,
-            Self::Uint32 => f64::from(decode_varint(bytes)? as u32),
-            Self::Uint64 => decode_varint(bytes)? as f64,
+            Self::Int32 => i64::from(decode_varint(bytes)? as i32).into(),
+            Self::Int64 => (decode_varint(bytes)? as i64).into(),
+            Self::Uint32 => u64::from(decode_varint(bytes)? as u32).into(),
+            Self::Uint64 => decode_varint(bytes)?.into(),
             Self::Sint32 | Self::Sint64 => {
                 let zigzag = decode_varint(bytes)?;
-                ((zigzag >> 1) as i64 ^ -((zigzag & 1) as i64)) as f64
+                ((zigzag >> 1) as i64 ^ -((zigzag & 1) as i64)).into()
             }
-            Self::Bool => f64::from(u8::from(decode_varint(bytes)? != 0)),
+            Self::Bool => (decode_varint(bytes)? != 0).into(),
         })
     }
 }
 
 fn read_message(
-    fields: &FieldTree<u32, Leaf>,
+    fields: &[(u32, Tree)],
     mut bytes: &[u8],
-    slots: &mut [FieldValue],
+    slots: &mut Slots,
 ) -> Result<(), Undecodable> {
-    for (_, node) in &fields.branches {
-        if let Node::Leaf(leaf) = node {
-            let slot = &mut slots[leaf.slot];
-            // A message may come in parts, of which the later ones add to the earlier.
-            if slot.is_present() {
-                continue;
-            } else if leaf.is_list {
-                slot.set_empty_list();
-            } else if !leaf.has_presence {
-                slot.set(0.0);
-            }
-        }
-    }
     while bytes.has_remaining() {
         let (number, wire_type) = decode_key(&mut bytes)?;
-        match fields.get(&number) {
+        match fields.iter().find(|(wanted, _)| *wanted == number) {
             None => skip_field(wire_type, number, &mut bytes, DecodeContext::default())?,
-            Some(Node::Message(inner)) if wire_type == WireType::LengthDelimited => {
-                read_message(inner, take_delimited(&mut bytes)?, slots)?;
-            }
-            Some(Node::Message(_)) => return Err(Undecodable),
-            Some(Node::Leaf(leaf)) => {
-                let slot = &mut slots[leaf.slot];
-                if leaf.is_list && wire_type == WireType::LengthDelimited {
-                    let mut packed = take_delimited(&mut bytes)?;
-                    while packed.has_remaining() {
-                        slot.push(leaf.scalar.read(&mut packed)?);
-                    }
-                } else if wire_type != leaf.scalar.wire_type() {
-                    return Err(Undecodable);
-                } else if leaf.is_list {
-                    slot.push(leaf.scalar.read(&mut bytes)?);
-                } else {
-                    slot.set(leaf.scalar.read(&mut bytes)?);
-                }
-            }
+            Some((_, node)) => read_field(node, wire_type, &mut bytes, slots)?,
+        }
+    }
+    for (_, node) in fields {
+        if let FieldTree::Leaf(leaf) = node {
+            leaf.set_default(&mut slots.values[leaf.slot]);
         }
     }
     Ok(())
 }
 
+fn read_field(
+    node: &Tree,
+    wire_type: WireType,
+    bytes: &mut &[u8],
+    slots: &mut Slots,
+) -> Result<(), Undecodable> {
+    match node {
+        FieldTree::Message(inner) if wire_type == WireType::LengthDelimited => {
+            read_message(inner, take_delimited(bytes)?, slots)
+        }
+        FieldTree::Message(_) => Err(Undecodable::Malformed),
+        FieldTree::Leaf(leaf) => {
+            let slot = &mut slots.values[leaf.slot];
+            if leaf.is_list && !slot.is_present() {
+                slot.set_empty_list();
+            }
+            match leaf.scalar() {
+                Some(scalar) if leaf.is_list && wire_type == WireType::LengthDelimited => {
+                    let mut packed = take_delimited(bytes)?;
+                    while packed.has_remaining() {
+                        slot.push(scalar.read(&mut packed)?);
+                    }
+                    Ok(())
+                }
+                _ => leaf.read_one(wire_type, bytes, slot),
+            }
+        }
+        FieldTree::List { counter, elements } => {
+            read_elements(*counter, elements, wire_type, bytes, slots)
+        }
+    }
+}
+
+/// Reads the next element of a list that paths lead into, or all that are packed together.
+fn read_elements(
+    counter: usize,
+    elements: &[(usize, Tree)],
+    wire_type: WireType,
+    bytes: &mut &[u8],
+    slots: &mut Slots,
+) -> Result<(), Undecodable> {
+    let mut read_one = |wire_type, bytes: &mut &[u8]| {
+        let index = slots.seen[counter];
+        slots.seen[counter] += 1;
+        match elements.iter().find(|(wanted, _)| *wanted == index) {
+            Some((_, node)) => read_field(node, wire_type, bytes, slots),
+            None => Ok(skip_field(wire_type, 1, bytes, DecodeContext::default())?),
+        }
+    };
+    let scalar = elements.iter().find_map(|(_, node)| match node {
+        FieldTree::Leaf(leaf) => leaf.scalar(),
+        _ => None,
+    });
+    match scalar {
+        Some(scalar) if wire_type == WireType::LengthDelimited => {
+            let mut packed = take_delimited(bytes)?;
+            while packed.has_remaining() {
+                read_one(scalar.wire_type(), &mut packed)?;
+            }
+            Ok(())
+        }
+        _ => read_one(wire_type, bytes),
+    }
+}
+
 fn take_delimited<'a>(bytes: &mut &'a [u8]) -> Result<&'a [u8], Undecodable> {
-    let length = usize::try_from(decode_varint(bytes)?).map_err(|_| Undecodable)?;
-    let (delimited, rest) = bytes.split_at_checked(length).ok_or(Undecodable)?;
+    let length = usize::try_from(decode_varint(bytes)?).map_err(|_| Undecodable::Malformed)?;
+    let (delimited, rest) = bytes
+        .split_at_checked(length)
+        .ok_or(Undecodable::Malformed)?;
     *bytes = rest;
     Ok(delimited)
 }

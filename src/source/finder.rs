@@ -1,0 +1,445 @@
+//! Looking for a profile's telemetry in a log.
+
+use std::{
+    cell::OnceCell,
+    collections::{BTreeMap, BTreeSet},
+};
+
+use mcap::records::Channel;
+
+use super::{
+    RoleSource,
+    binding::{Alternative, Binder, Role},
+    channel::ChannelSource,
+    examples::Examples,
+    path::FieldPath,
+    profile::{AttitudeSource, GimbalSource, Place, PositionSource, Profile, VelocitySource},
+    request::Request,
+    schema::{Schema, Unresolved, quote},
+    topic::Pattern,
+};
+use crate::{error::Error, log::Log, sample::Kind};
+
+/// A place in a log that a profile fits: one vehicle, or where a profile names no topics, one topic.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    pub namespace: String,
+    pub attitude: RoleSource,
+    /// The other roles, or why the log has none.
+    pub others: BTreeMap<Kind, Result<RoleSource, Missing>>,
+}
+
+/// Why a role has no samples.
+#[derive(Debug, Clone)]
+pub struct Missing {
+    /// In words.
+    pub reason: String,
+    /// Whether there are messages where the profile says, and they lack what it says of them.
+    pub is_fault: bool,
+}
+
+/// What an attitude is told by, the surest last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Specificity {
+    Fields,
+    Schema,
+    Topic,
+}
+
+/// What a profile tells the attitude by.
+pub fn specificity(profile: &Profile) -> Specificity {
+    let place = &profile.attitude[0].place;
+    match (place.topics.is_empty(), place.schemas.is_empty()) {
+        (false, _) => Specificity::Topic,
+        (true, false) => Specificity::Schema,
+        (true, true) => Specificity::Fields,
+    }
+}
+
+/// Looks for what profiles name in one log. Each schema is read at most once, and only if it is needed.
+pub struct Finder<'a> {
+    log: &'a Log,
+    examples: &'a Examples<'a>,
+    /// The channels that have messages, by topic.
+    topics: BTreeMap<&'a str, Vec<&'a Channel>>,
+    schemas: BTreeMap<u16, OnceCell<Result<Schema<'a>, String>>>,
+    /// The only namespace in which to look.
+    namespace: Option<&'a str>,
+    /// What the user has told where to find.
+    required: Vec<Kind>,
+}
+
+impl<'a> Finder<'a> {
+    /// In a log, as a request wants it.
+    pub fn new(log: &'a Log, examples: &'a Examples<'a>, request: &'a Request) -> Self {
+        let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
+        for channel in channels_with_messages(log) {
+            topics.entry(&channel.topic).or_default().push(channel);
+        }
+        Self {
+            log,
+            examples,
+            schemas: channels_with_messages(log)
+                .map(|channel| (channel.id, OnceCell::new()))
+                .collect(),
+            topics,
+            namespace: request.namespace.as_deref(),
+            required: request.told_roles(),
+        }
+    }
+
+    /// Where a profile fits the log, or why nowhere.
+    pub fn fit(&self, profile: &Profile) -> Result<Result<Vec<Fit>, String>, Error> {
+        match specificity(profile) {
+            Specificity::Topic => self.fit_by_topics(profile),
+            _ => self.fit_by_fields(profile),
+        }
+    }
+
+    fn fit_by_topics(&self, profile: &Profile) -> Result<Result<Vec<Fit>, String>, Error> {
+        let mut fits = Vec::new();
+        let mut reason = None;
+        for namespace in self.namespaces(profile) {
+            let fit = match self.choose::<AttitudeSource>(profile, &namespace, None)? {
+                Ok(attitude) => self.complete(profile, &namespace, attitude)?,
+                Err(missing) => Err(missing.reason),
+            };
+            match fit {
+                Ok(fit) => fits.push(fit),
+                Err(why) => reason = reason.or(Some(why)),
+            }
+        }
+        Ok(match reason {
+            Some(why) if fits.is_empty() => Err(why),
+            _ => Ok(fits),
+        })
+    }
+
+    /// The namespaces in which a profile may find its topics.
+    fn namespaces(&self, profile: &Profile) -> BTreeSet<String> {
+        if let Some(namespace) = self.namespace {
+            return BTreeSet::from([namespace.to_owned()]);
+        }
+        let mut namespaces = BTreeSet::new();
+        if profile.namespaced {
+            let patterns = || {
+                profile
+                    .attitude
+                    .iter()
+                    .flat_map(|source| &source.place.topics)
+            };
+            for pattern in patterns().map(|text| Pattern::new("", text)) {
+                let within = self
+                    .topics
+                    .keys()
+                    .filter_map(|topic| pattern.namespace_of(topic));
+                namespaces.extend(within.map(str::to_owned));
+            }
+        }
+        if namespaces.is_empty() {
+            namespaces.insert(String::new());
+        }
+        namespaces
+    }
+
+    /// Looks through all topics for messages that have the attitude's fields.
+    fn fit_by_fields(&self, profile: &Profile) -> Result<Result<Vec<Fit>, String>, Error> {
+        let namespace = self.namespace.unwrap_or_default();
+        let mut fits = Vec::new();
+        let mut nearest: Option<(&str, Unresolved)> = None;
+        for topic in self
+            .topics
+            .keys()
+            .filter(|topic| is_within(topic, namespace))
+        {
+            match self.bind_data_point(profile, namespace, topic) {
+                Ok(fields) => {
+                    let topic = (*topic).to_owned();
+                    let attitude = RoleSource { topic, fields };
+                    match self.complete(profile, namespace, attitude)? {
+                        Ok(fit) => fits.push(fit),
+                        Err(reason) => return Ok(Err(reason)),
+                    }
+                }
+                Err(Unresolved::Unreadable(error)) => return Err(error),
+                Err(unresolved) => {
+                    let lacks = unresolved.lacks();
+                    if lacks
+                        < nearest
+                            .as_ref()
+                            .map_or(usize::MAX, |(_, other)| other.lacks())
+                    {
+                        nearest = Some((topic, unresolved));
+                    }
+                }
+            }
+        }
+        if !fits.is_empty() {
+            return Ok(Ok(fits));
+        }
+        let wanted = required_fields(profile);
+        let nearest = match nearest {
+            Some((topic, unresolved)) if unresolved.lacks() < wanted.len() => {
+                format!("; {topic} comes closest: {unresolved}")
+            }
+            _ => String::new(),
+        };
+        let schemas = &profile.attitude[0].place.schemas;
+        Ok(Err(match schemas.as_slice() {
+            [] => format!(
+                "no topic has messages with all of the fields {}{nearest}",
+                quote(&wanted)
+            ),
+            schemas => format!(
+                "no topic has messages of type {}{nearest}",
+                schemas.join(" or ")
+            ),
+        }))
+    }
+
+    /// Resolves what the messages of any one topic must have: the attitude, and the velocity if that is required.
+    fn bind_data_point(
+        &self,
+        profile: &Profile,
+        namespace: &str,
+        topic: &str,
+    ) -> Result<Vec<FieldPath>, Unresolved> {
+        let attitude = self.bind::<AttitudeSource>(profile, namespace, topic, Some(topic));
+        if !self.requires(profile, Kind::Velocity) {
+            return attitude;
+        }
+        let velocity = self.bind::<VelocitySource>(profile, namespace, topic, Some(topic));
+        match attitude {
+            Ok(fields) => velocity.map(|_| fields),
+            Err(unresolved) => Err(unresolved.and(velocity.err())),
+        }
+    }
+
+    /// Whether a log without samples of a kind is none that a profile fits.
+    fn requires(&self, profile: &Profile, kind: Kind) -> bool {
+        self.required.contains(&kind)
+            || kind == Kind::Velocity && profile.velocity.iter().any(|source| source.required)
+    }
+
+    /// Adds to an attitude what else the profile finds beside it, or tells what is wrong.
+    fn complete(
+        &self,
+        profile: &Profile,
+        namespace: &str,
+        attitude: RoleSource,
+    ) -> Result<Result<Fit, String>, Error> {
+        let own = Some(attitude.topic.as_str());
+        let others = BTreeMap::from([
+            (
+                Kind::Velocity,
+                self.choose::<VelocitySource>(profile, namespace, own)?,
+            ),
+            (
+                Kind::Gimbal,
+                self.choose::<GimbalSource>(profile, namespace, own)?,
+            ),
+            (
+                Kind::Position,
+                self.choose::<PositionSource>(profile, namespace, own)?,
+            ),
+        ]);
+        for (&kind, role) in &others {
+            if let Err(missing) = role
+                && (self.requires(profile, kind) || kind == Kind::Velocity && missing.is_fault)
+            {
+                return Ok(Err(missing.reason.clone()));
+            }
+        }
+        Ok(Ok(Fit {
+            namespace: namespace.to_owned(),
+            attitude,
+            others,
+        }))
+    }
+
+    /// The first of a role's topics that has messages with the fields; `own` is the attitude's.
+    fn choose<A: Alternative>(
+        &self,
+        profile: &Profile,
+        namespace: &str,
+        own: Option<&str>,
+    ) -> Result<Result<RoleSource, Missing>, Error> {
+        let mut fault = None;
+        let mut patterns = Vec::new();
+        for alternative in A::of(profile) {
+            let place = alternative.place();
+            let of_alternative = (place.topics.iter()).map(|topic| Pattern::new(namespace, topic));
+            let of_alternative: Vec<Pattern> = of_alternative.collect();
+            let named = of_alternative
+                .iter()
+                .flat_map(|pattern| pattern.matches(self.topics.keys().copied()));
+            let own = own.filter(|_| place.topics.is_empty());
+            for topic in named.chain(own) {
+                match self.bind::<A>(profile, namespace, topic, own) {
+                    Ok(fields) => {
+                        let topic = topic.to_owned();
+                        return Ok(Ok(RoleSource { topic, fields }));
+                    }
+                    Err(Unresolved::Unreadable(error)) => return Err(error),
+                    // An alternative for another type of message says nothing of this one.
+                    Err(Unresolved::OtherType { .. }) => {}
+                    Err(unresolved) => {
+                        fault = fault.or_else(|| Some(format!("{topic}: {unresolved}")));
+                    }
+                }
+            }
+            patterns.extend(of_alternative);
+        }
+        let names: Vec<String> = patterns.iter().map(Pattern::to_string).collect();
+        Ok(Err(Missing {
+            is_fault: fault.is_some(),
+            reason: fault.unwrap_or_else(|| match (names.as_slice(), own) {
+                ([], Some(own)) if !A::of(profile).is_empty() => {
+                    format!("the messages on {own} have none")
+                }
+                ([], _) => format!("the profile `{}` has no {}", profile.name, A::KIND.name()),
+                (names, _) => format!("there is no message on {}", names.join(" or ")),
+            }),
+        }))
+    }
+
+    /// Resolves a role's fields against every channel of a topic; gives their names.
+    fn bind<A: Alternative>(
+        &self,
+        profile: &Profile,
+        namespace: &str,
+        topic: &str,
+        own: Option<&str>,
+    ) -> Result<Vec<FieldPath>, Unresolved> {
+        let mut fields = Vec::new();
+        for channel in &self.topics[topic] {
+            let mut binder = Binder::new(self.schema(channel)?);
+            fields = self
+                .bind_channel::<A>(&mut binder, profile, namespace, channel, own)?
+                .fields;
+        }
+        Ok(fields)
+    }
+
+    fn bind_channel<A: Alternative>(
+        &self,
+        binder: &mut Binder,
+        profile: &Profile,
+        namespace: &str,
+        channel: &Channel,
+        own: Option<&str>,
+    ) -> Result<Role, Unresolved> {
+        let topic = channel.topic.as_str();
+        let at_topic = |place: &Place| match place.topics.as_slice() {
+            [] => own == Some(topic),
+            topics => (topics.iter()).any(|text| Pattern::new(namespace, text).is_match(topic)),
+        };
+        let schema = self.log.contents.schema_of(channel);
+        let name = schema.map_or("", |schema| schema.name.as_str());
+        let plain = |name: &str| name.replace("/msg/", "/");
+        let of_type = |place: &Place| {
+            let schemas = &place.schemas;
+            schemas.is_empty() || schemas.iter().any(|wanted| plain(wanted) == plain(name))
+        };
+        let there = A::of(profile)
+            .iter()
+            .filter(|source| at_topic(source.place()));
+        let (fitting, other): (Vec<&A>, Vec<&A>) =
+            there.partition(|source| of_type(source.place()));
+        match other.first() {
+            Some(other) if fitting.is_empty() => Err(Unresolved::OtherType {
+                name: name.to_owned(),
+                wanted: other.place().schemas.clone(),
+            }),
+            _ => binder.bind_role(profile, &fitting),
+        }
+    }
+
+    /// How to read each channel of a fit's topics.
+    pub fn channels_of(
+        &self,
+        profile: &Profile,
+        fit: &Fit,
+    ) -> Result<BTreeMap<u16, ChannelSource>, Error> {
+        let own = Some(fit.attitude.topic.as_str());
+        let others = fit
+            .others
+            .iter()
+            .filter_map(|(&kind, role)| Some((kind, role.as_ref().ok()?)));
+        let roles: Vec<(Kind, &RoleSource)> =
+            others.chain([(Kind::Attitude, &fit.attitude)]).collect();
+        let topics: BTreeSet<&str> = roles.iter().map(|(_, role)| role.topic.as_str()).collect();
+        let mut channels = BTreeMap::new();
+        for channel in topics.iter().flat_map(|topic| &self.topics[topic]) {
+            let source = self.schema(channel).and_then(|schema| {
+                let mut binder = Binder::new(schema);
+                let mut bound = Vec::new();
+                for (kind, _) in roles.iter().filter(|(_, role)| role.topic == channel.topic) {
+                    let namespace = &fit.namespace;
+                    let binder = &mut binder;
+                    bound.push(match kind {
+                        Kind::Attitude => self.bind_channel::<AttitudeSource>(
+                            binder, profile, namespace, channel, own,
+                        ),
+                        Kind::Velocity => self.bind_channel::<VelocitySource>(
+                            binder, profile, namespace, channel, own,
+                        ),
+                        Kind::Gimbal => self
+                            .bind_channel::<GimbalSource>(binder, profile, namespace, channel, own),
+                        Kind::Position => self.bind_channel::<PositionSource>(
+                            binder, profile, namespace, channel, own,
+                        ),
+                    }?);
+                }
+                ChannelSource::new(schema, &binder.wanted, bound)
+            });
+            channels.insert(
+                channel.id,
+                source.map_err(|unresolved| match unresolved {
+                    Unresolved::Unreadable(error) => error,
+                    other => Error::ProfileDoesNotFit {
+                        path: self.log.file.path().into(),
+                        profile: profile.name.clone(),
+                        problem: format!("{}: {other}", channel.topic),
+                    },
+                })?,
+            );
+        }
+        Ok(channels)
+    }
+
+    fn schema(&self, channel: &Channel) -> Result<&Schema<'a>, Unresolved> {
+        let read = || {
+            Schema::of(self.log, self.examples, channel)
+                .map_err(|unresolved| unresolved.to_string())
+        };
+        self.schemas[&channel.id]
+            .get_or_init(read)
+            .as_ref()
+            .map_err(|problem| Unresolved::Schema {
+                problem: problem.clone(),
+            })
+    }
+}
+
+fn is_within(topic: &str, namespace: &str) -> bool {
+    (topic.strip_prefix(namespace))
+        .is_some_and(|rest| namespace.is_empty() || rest.starts_with('/'))
+}
+
+/// The fields that a message must have for a profile that names no topics.
+fn required_fields(profile: &Profile) -> Vec<FieldPath> {
+    let attitude = profile.attitude[0].fields();
+    let velocity = profile.velocity.first().filter(|source| source.required);
+    let velocity = velocity.map(|source| source.fields()).unwrap_or_default();
+    attitude.into_iter().chain(velocity).cloned().collect()
+}
+
+/// The channels that have messages.
+pub fn channels_with_messages(log: &Log) -> impl Iterator<Item = &Channel> {
+    let counts = &log.contents.statistics.channel_message_counts;
+    let channels = log.contents.definitions.channels.values();
+    channels
+        .map(|channel| &channel.record)
+        .filter(|channel| counts.get(&channel.id).is_some_and(|&count| count > 0))
+}

@@ -1,0 +1,140 @@
+//! Paths to fields, in Foxglove's message-path syntax: `/topic.field.sub[2]`
+//! (<https://docs.foxglove.dev/docs/visualization/message-path-syntax>).
+
+use std::{fmt, str::FromStr};
+
+use serde::{Deserialize, Serialize};
+
+/// A field of a message, of a message within it, or of a list: `roll`, `velocity.x`, `q[0]`, `esc[2].rpm`.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct FieldPath {
+    steps: Vec<Step>,
+}
+
+/// One step of a path.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Step {
+    /// To a field of a message.
+    Name(String),
+    /// To an element of a list, counted from 0.
+    Index(usize),
+}
+
+/// A topic, and a field of its messages where one is named: `/imu.orientation`, or `/imu` alone. A topic with
+/// characters that have a meaning here is put in double quotes: `"/a.b".field`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MessagePath {
+    /// The topic.
+    pub topic: String,
+    /// The field; `None` for the whole message.
+    pub field: Option<FieldPath>,
+}
+
+/// Text that is not a path.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is not {wanted}")]
+pub struct NotAPath {
+    text: String,
+    wanted: &'static str,
+}
+
+impl FieldPath {
+    /// The steps from the outermost message to the field. The first is a name.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// The field of that name within this one.
+    pub fn child(&self, name: &str) -> Self {
+        let mut steps = self.steps.clone();
+        steps.push(Step::Name(name.to_owned()));
+        Self { steps }
+    }
+}
+
+impl FromStr for FieldPath {
+    type Err = NotAPath;
+
+    fn from_str(text: &str) -> Result<Self, NotAPath> {
+        let steps = parse_steps(text).ok_or_else(|| NotAPath {
+            text: text.to_owned(),
+            wanted: "the path of a field: write names joined by dots, and the place in a list, \
+                     counted from 0, in brackets, as in `velocity.x` or `q[0]`",
+        })?;
+        Ok(Self { steps })
+    }
+}
+
+fn parse_steps(text: &str) -> Option<Vec<Step>> {
+    let mut steps = Vec::new();
+    for part in text.split('.') {
+        let (name, indexes) = part.split_at(part.find('[').unwrap_or(part.len()));
+        if name.is_empty() || name.contains([']', '/', '"', '{', '@', ' ']) {
+            return None;
+        }
+        steps.push(Step::Name(name.to_owned()));
+        if !indexes.is_empty() {
+            let inner = indexes.strip_prefix('[')?.strip_suffix(']')?;
+            for index in inner.split("][") {
+                steps.push(Step::Index(index.parse().ok()?));
+            }
+        }
+    }
+    Some(steps)
+}
+
+impl FromStr for MessagePath {
+    type Err = NotAPath;
+
+    fn from_str(text: &str) -> Result<Self, NotAPath> {
+        let not_a_path = || NotAPath {
+            text: text.to_owned(),
+            wanted: "a message path: write a topic and a field, as in `/imu.orientation` or \
+                     `/gps.velocity[0]`, and put a topic that has a dot in double quotes",
+        };
+        let (topic, rest) = match text.strip_prefix('"') {
+            Some(quoted) => quoted.split_once('"').ok_or_else(not_a_path)?,
+            None => text.split_at(text.find('.').unwrap_or(text.len())),
+        };
+        if topic.is_empty() {
+            return Err(not_a_path());
+        }
+        let field = match rest.strip_prefix('.') {
+            Some(field) => Some(field.parse()?),
+            None if rest.is_empty() => None,
+            None => return Err(not_a_path()),
+        };
+        Ok(Self {
+            topic: topic.to_owned(),
+            field,
+        })
+    }
+}
+
+impl TryFrom<String> for FieldPath {
+    type Error = NotAPath;
+
+    fn try_from(text: String) -> Result<Self, NotAPath> {
+        text.parse()
+    }
+}
+
+impl From<FieldPath> for String {
+    fn from(path: FieldPath) -> Self {
+        path.to_string()
+    }
+}
+
+impl fmt::Display for FieldPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, step) in self.steps.iter().enumerate() {
+            match step {
+                Step::Name(name) if place == 0 => f.write_str(name)?,
+                Step::Name(name) => write!(f, ".{name}")?,
+                Step::Index(index) => write!(f, "[{index}]")?,
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,255 @@
+//! The conventions that logs differ in: units, frames, orders, signs, and how to get from each to flightcam's
+//! own (radians, metres, NED, FRD, w first).
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::sample::{GimbalReference, Velocity};
+
+/// The unit of an angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AngleUnit {
+    /// One turn is 2π.
+    Radians,
+    /// One turn is 360.
+    Degrees,
+    /// One turn is 36000.
+    Centidegrees,
+    /// One turn is 3.6e9: MAVLink's unit of latitude and longitude.
+    #[serde(rename = "degE7")]
+    DegE7,
+}
+
+impl AngleUnit {
+    /// An angle of this unit in radians.
+    pub fn to_radians(self, angle: f64) -> f64 {
+        match self {
+            Self::Radians => angle,
+            _ => self.to_degrees(angle).to_radians(),
+        }
+    }
+
+    /// An angle of this unit in degrees.
+    pub fn to_degrees(self, angle: f64) -> f64 {
+        match self {
+            Self::Radians => angle.to_degrees(),
+            Self::Degrees => angle,
+            Self::Centidegrees => angle / 1e2,
+            Self::DegE7 => angle / 1e7,
+        }
+    }
+}
+
+/// The unit of a velocity.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum SpeedUnit {
+    /// Metres per second.
+    #[default]
+    #[serde(rename = "m/s")]
+    MetresPerSecond,
+    /// Centimetres per second.
+    #[serde(rename = "cm/s")]
+    CentimetresPerSecond,
+    /// Millimetres per second.
+    #[serde(rename = "mm/s")]
+    MillimetresPerSecond,
+}
+
+impl SpeedUnit {
+    /// How many of this unit make a metre per second.
+    pub fn per_metre_per_second(self) -> f64 {
+        match self {
+            Self::MetresPerSecond => 1.0,
+            Self::CentimetresPerSecond => 1e2,
+            Self::MillimetresPerSecond => 1e3,
+        }
+    }
+}
+
+/// The unit of a length.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum LengthUnit {
+    /// Metres.
+    #[default]
+    #[serde(rename = "m")]
+    Metres,
+    /// Centimetres.
+    #[serde(rename = "cm")]
+    Centimetres,
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimetres,
+}
+
+impl LengthUnit {
+    /// How many of this unit make a metre.
+    pub fn per_metre(self) -> f64 {
+        match self {
+            Self::Metres => 1.0,
+            Self::Centimetres => 1e2,
+            Self::Millimetres => 1e3,
+        }
+    }
+}
+
+/// The unit of a time.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum TimeUnit {
+    /// Seconds.
+    #[serde(rename = "s")]
+    Seconds,
+    /// Milliseconds.
+    #[serde(rename = "ms")]
+    Milliseconds,
+    /// Microseconds.
+    #[serde(rename = "us")]
+    Microseconds,
+    /// Nanoseconds.
+    #[default]
+    #[serde(rename = "ns")]
+    Nanoseconds,
+}
+
+impl TimeUnit {
+    /// The nanoseconds in one.
+    pub fn nanoseconds(self) -> u64 {
+        match self {
+            Self::Seconds => 1_000_000_000,
+            Self::Milliseconds => 1_000_000,
+            Self::Microseconds => 1_000,
+            Self::Nanoseconds => 1,
+        }
+    }
+}
+
+/// The order of a quaternion's numbers in a list.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum QuaternionOrder {
+    /// The scalar part first, as in PX4.
+    #[default]
+    Wxyz,
+    /// The scalar part last, as in ROS.
+    Xyzw,
+}
+
+impl QuaternionOrder {
+    /// The quaternion of numbers in this order.
+    pub fn quaternion(self, numbers: [f64; 4]) -> Quaternion<f64> {
+        let [a, b, c, d] = numbers;
+        match self {
+            Self::Wxyz => Quaternion::new(a, b, c, d),
+            Self::Xyzw => Quaternion::new(d, a, b, c),
+        }
+    }
+}
+
+/// Between which frames an attitude turns.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Convention {
+    /// From front, right, down to north, east, down: aerospace, MAVLink, PX4.
+    #[default]
+    FrdNed,
+    /// From front, left, up to east, north, up: ROS (REP 103, <https://www.ros.org/reps/rep-0103.html>).
+    FluEnu,
+}
+
+impl Convention {
+    /// The attitude `q_ned_frd` of one in this convention.
+    pub fn attitude(self, q: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        match self {
+            Self::FrdNed => q,
+            Self::FluEnu => q_ned_enu() * q * q_flu_frd(),
+        }
+    }
+
+    /// A gimbal's orientation with its z axes down, of one in this convention.
+    pub fn gimbal(self, q: UnitQuaternion<f64>, reference: GimbalReference) -> UnitQuaternion<f64> {
+        match (self, reference) {
+            (Self::FluEnu, GimbalReference::Heading | GimbalReference::Airframe) => {
+                q_flu_frd() * q * q_flu_frd()
+            }
+            _ => self.attitude(q),
+        }
+    }
+}
+
+/// Half a turn about the horizontal diagonal swaps north with east and up with down.
+fn q_ned_enu() -> UnitQuaternion<f64> {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    UnitQuaternion::new_unchecked(Quaternion::new(0.0, half, half, 0.0))
+}
+
+/// Half a turn about the front axis, which is its own inverse up to the sign.
+fn q_flu_frd() -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
+}
+
+/// The axes of a velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VelocityFrame {
+    /// North, east, down.
+    Ned,
+    /// East, north, up.
+    Enu,
+    /// The drone's front, right, down.
+    BodyFrd,
+    /// The drone's front, left, up.
+    BodyFlu,
+}
+
+impl VelocityFrame {
+    /// A velocity in m/s in these axes.
+    pub fn velocity(self, [x, y, z]: [f64; 3]) -> Velocity {
+        match self {
+            Self::Ned => Velocity::Ned(Vector3::new(x, y, z)),
+            Self::Enu => Velocity::Ned(Vector3::new(y, x, -z)),
+            Self::BodyFrd => Velocity::Frd(Vector3::new(x, y, z)),
+            Self::BodyFlu => Velocity::Frd(Vector3::new(x, -y, -z)),
+        }
+    }
+}
+
+/// The axes of a local position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PositionFrame {
+    /// North, east, down.
+    Ned,
+    /// East, north, up.
+    Enu,
+}
+
+impl PositionFrame {
+    /// A place in metres in these axes, to north, east and down.
+    pub fn ned(self, [x, y, z]: [f64; 3]) -> Vector3<f64> {
+        match self {
+            Self::Ned => Vector3::new(x, y, z),
+            Self::Enu => Vector3::new(y, x, -z),
+        }
+    }
+}
+
+/// Which way an angle over the horizon is positive.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PositiveDirection {
+    /// Up: a pitch.
+    #[default]
+    Up,
+    /// Down: a depression angle, a tilt.
+    Down,
+}
+
+impl PositiveDirection {
+    /// The angle, positive up.
+    pub fn up(self, angle: f64) -> f64 {
+        match self {
+            Self::Up => angle,
+            Self::Down => -angle,
+        }
+    }
+}

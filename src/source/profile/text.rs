@@ -1,0 +1,141 @@
+//! Profiles as text: what serde does not do by itself.
+
+use toml::{Table, Value};
+
+use super::{Place, Profile};
+use crate::{sample::Kind, source::path::MessagePath};
+
+/// Reads a profile from TOML.
+pub fn parse(toml: &str) -> Result<Profile, String> {
+    let says = |error: toml::de::Error| error.to_string().trim().to_owned();
+    let mut table: Table = toml.parse().map_err(says)?;
+    for kind in Kind::ALL {
+        match table.get_mut(kind.name()) {
+            Some(Value::Table(role)) => lift_topic(role)?,
+            Some(Value::Array(roles)) => {
+                for role in roles.iter_mut().filter_map(Value::as_table_mut) {
+                    lift_topic(role)?;
+                }
+            }
+            _ => {}
+        }
+    }
+    let profile: Profile = table.clone().try_into().map_err(says)?;
+    let known = Table::try_from(&profile).expect("a profile was read from TOML");
+    if let Some(key) = unknown_key(&table, &known) {
+        return Err(format!(
+            "unknown key `{key}`; the README lists the keys of a profile"
+        ));
+    }
+    check(&profile)?;
+    Ok(profile)
+}
+
+/// Where a role's paths name their topic, as in `/imu.orientation`, takes it out of them and into `topics`.
+fn lift_topic(role: &mut Table) -> Result<(), String> {
+    let mut topics: Vec<String> = Vec::new();
+    for (key, value) in role.iter_mut() {
+        if key != "topics" && key != "schemas" {
+            lift_from(value, &mut topics)?;
+        }
+    }
+    topics.dedup();
+    match topics.as_slice() {
+        [] => Ok(()),
+        [_] if role.contains_key("topics") => Err(format!(
+            "a path names the topic {}, and `topics` names others; leave one of the two out",
+            topics[0]
+        )),
+        [_] => {
+            let topics = topics.into_iter().map(Value::String).collect();
+            role.insert("topics".to_owned(), Value::Array(topics));
+            Ok(())
+        }
+        [one, other, ..] => Err(format!(
+            "paths name the topics {one} and {other}; what belongs to one sample must come in one message"
+        )),
+    }
+}
+
+fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), String> {
+    match value {
+        Value::String(text) if text.starts_with(['/', '"']) => {
+            let path: MessagePath = text.parse().map_err(|error| format!("{error}"))?;
+            let field = path
+                .field
+                .ok_or_else(|| format!("`{text}` names no field"))?;
+            topics.push(path.topic);
+            *text = field.to_string();
+            Ok(())
+        }
+        Value::Array(values) => values
+            .iter_mut()
+            .try_for_each(|value| lift_from(value, topics)),
+        Value::Table(table) => table
+            .iter_mut()
+            .try_for_each(|(_, value)| lift_from(value, topics)),
+        _ => Ok(()),
+    }
+}
+
+/// A key that is given but not known: what was understood does not have it.
+fn unknown_key(given: &Table, known: &Table) -> Option<String> {
+    given.iter().find_map(|(key, value)| match known.get(key) {
+        None => Some(key.clone()),
+        Some(known) => unknown_key_within(value, known).map(|inner| format!("{key}.{inner}")),
+    })
+}
+
+fn unknown_key_within(given: &Value, known: &Value) -> Option<String> {
+    match (given, known) {
+        (Value::Table(given), Value::Table(known)) => unknown_key(given, known),
+        (Value::Array(given), Value::Array(known)) => {
+            (given.iter().zip(known)).find_map(|(given, known)| unknown_key_within(given, known))
+        }
+        // One alternative may stand by itself.
+        (Value::Table(_), Value::Array(known)) => unknown_key_within(given, known.first()?),
+        _ => None,
+    }
+}
+
+/// Checks what the types leave open.
+fn check(profile: &Profile) -> Result<(), String> {
+    if profile.attitude.is_empty() {
+        return Err("`attitude` is empty: it takes at least one alternative".to_owned());
+    }
+    let named = |place: &Place| !place.topics.is_empty();
+    let count = (profile.attitude.iter())
+        .filter(|source| named(&source.place))
+        .count();
+    if count != 0 && count != profile.attitude.len() {
+        return Err("some alternatives of `attitude` have `topics` and others have not".to_owned());
+    }
+    Ok(())
+}
+
+/// A list in which a single entry may stand by itself: `[attitude]` for `[[attitude]]`.
+pub mod one_or_more {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::DeserializeOwned};
+
+    pub fn serialize<T: Serialize, S: Serializer>(
+        list: &[T],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        list.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<T>, D::Error> {
+        // Not an untagged enum, whose errors would not say which key is wrong.
+        let value = toml::Value::deserialize(deserializer)?;
+        let list = match value {
+            toml::Value::Array(list) => list,
+            single => vec![single],
+        };
+        let entries = list.into_iter().map(|entry| entry.try_into());
+        entries
+            .collect::<Result<_, _>>()
+            .map_err(|error: toml::de::Error| serde::de::Error::custom(error.message()))
+    }
+}

@@ -1,0 +1,419 @@
+//! What the user says of a log's telemetry: a profile, a vehicle, and fields on the command line.
+
+use std::str::FromStr;
+
+use serde::de::{DeserializeOwned, IntoDeserializer, value::Error as NotOneOf};
+
+use super::{
+    binding::Alternative,
+    path::{FieldPath, MessagePath},
+    profile::{
+        AttitudeSource, Components, Coordinates, Euler, GimbalOrientation, GimbalSource,
+        Orientation, Pitch, Place, PositionSource, Profile, ProfileChoice, Quaternion, TimeSource,
+        VelocitySource,
+        convention::{AngleUnit, PositionFrame},
+    },
+};
+use crate::sample::{GimbalReference, Kind};
+
+/// How the user wants a log's telemetry to be found. By default all is left to the built-in profiles.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Request {
+    /// Which profile.
+    pub profile: ProfileChoice,
+    /// Which vehicle of several: the prefix of its topics, empty for the one without.
+    pub namespace: Option<String>,
+    /// Where the attitude is, instead of where the profile says.
+    pub attitude: Option<RoleArgument<AttitudeSource>>,
+    /// Where the velocity is, instead of where the profile says.
+    pub velocity: Option<RoleArgument<VelocitySource>>,
+    /// Where the gimbal's angles are, instead of where the profile says.
+    pub gimbal: Option<RoleArgument<GimbalSource>>,
+    /// Where the position is, instead of where the profile says.
+    pub position: Option<RoleArgument<PositionSource>>,
+    /// What the time of a sample is, instead of what the profile says.
+    pub time: Option<TimeSource>,
+}
+
+/// One role's place in the log, as told on the command line: paths of one topic, joined by commas, and behind
+/// colons the units and conventions, as in `/imu.roll,/imu.pitch,/imu.yaw:degrees`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RoleArgument<Source> {
+    /// Only the topic; the profile says how to read its messages.
+    Topic(String),
+    /// Everything.
+    Source(Source),
+}
+
+/// What is wrong with a role's argument.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct BadArgument(String);
+
+/// The prefix that a namespace gives to topics: `/drone1` for `drone1` and `/drone1/`, nothing for `/`.
+///
+/// # Errors
+/// None; command-line parsers want a result.
+pub fn namespace(text: &str) -> Result<String, std::convert::Infallible> {
+    Ok(match text.trim_matches('/') {
+        "" => String::new(),
+        name => format!("/{name}"),
+    })
+}
+
+impl Request {
+    /// The profiles to try: that which was asked for, or all that are tried by themselves.
+    pub fn profiles(&self) -> Vec<Profile> {
+        let mut profiles = match (&self.profile, &self.attitude) {
+            (ProfileChoice::Given(profile), _) => vec![(**profile).clone()],
+            // With the attitude told, nothing of a built-in profile would be left that tells it from another.
+            (ProfileChoice::Automatic, Some(RoleArgument::Source(attitude))) => {
+                vec![Profile::of_attitude("command line", attitude.clone())]
+            }
+            (ProfileChoice::Automatic, _) => Profile::built_in()
+                .into_iter()
+                .filter(|profile| profile.automatic)
+                .collect(),
+        };
+        for profile in &mut profiles {
+            replace(&mut profile.attitude, &self.attitude);
+            replace(&mut profile.velocity, &self.velocity);
+            replace(&mut profile.gimbal, &self.gimbal);
+            replace(&mut profile.position, &self.position);
+            if let Some(time) = &self.time {
+                profile.time = time.clone();
+            }
+        }
+        profiles
+    }
+
+    /// The roles besides the attitude whose place is told.
+    pub(super) fn told_roles(&self) -> Vec<Kind> {
+        let told = [
+            (Kind::Velocity, self.velocity.is_some()),
+            (Kind::Gimbal, self.gimbal.is_some()),
+            (Kind::Position, self.position.is_some()),
+        ];
+        told.into_iter()
+            .filter_map(|(kind, is_told)| is_told.then_some(kind))
+            .collect()
+    }
+}
+
+fn replace<Source: Alternative + Clone>(
+    alternatives: &mut Vec<Source>,
+    argument: &Option<RoleArgument<Source>>,
+) {
+    match argument {
+        None => {}
+        Some(RoleArgument::Source(source)) => *alternatives = vec![source.clone()],
+        Some(RoleArgument::Topic(topic)) => {
+            for alternative in alternatives {
+                alternative.place_mut().topics = vec![topic.clone()];
+            }
+        }
+    }
+}
+
+/// The parts of an argument: the topic, its fields, and the words behind the colons.
+struct Parts {
+    topic: String,
+    fields: Vec<FieldPath>,
+    words: Words,
+}
+
+/// Units and conventions that were not used yet.
+struct Words(Vec<String>);
+
+impl Words {
+    /// Takes the word that names one of a type's variants, as profiles name them.
+    fn take<T: DeserializeOwned>(&mut self) -> Option<T> {
+        let read = |word: &String| {
+            let word: serde::de::value::StrDeserializer<NotOneOf> =
+                word.as_str().into_deserializer();
+            T::deserialize(word).ok()
+        };
+        let place = self.0.iter().position(|word| read(word).is_some())?;
+        read(&self.0.remove(place))
+    }
+
+    /// Complains of what was not used.
+    fn finish(self, known: &str) -> Result<(), BadArgument> {
+        match self.0.first() {
+            None => Ok(()),
+            Some(word) => Err(BadArgument(format!(
+                "`{word}` has no meaning here; what can stand behind a colon is {known}"
+            ))),
+        }
+    }
+}
+
+impl FromStr for Parts {
+    type Err = BadArgument;
+
+    fn from_str(text: &str) -> Result<Self, BadArgument> {
+        let mut words = text.split(':').map(str::to_owned);
+        let paths = words.next().unwrap_or_default();
+        let mut topic: Option<String> = None;
+        let mut fields = Vec::new();
+        for path in paths.split(',') {
+            let path: MessagePath =
+                (path.trim().parse()).map_err(|error| BadArgument(format!("{error}")))?;
+            match &topic {
+                Some(first) if *first != path.topic => {
+                    return Err(BadArgument(format!(
+                        "{first} and {} are different topics; what belongs to one sample must come in one message",
+                        path.topic
+                    )));
+                }
+                _ => topic = Some(path.topic),
+            }
+            fields.extend(path.field);
+        }
+        Ok(Self {
+            topic: topic.unwrap_or_default(),
+            fields,
+            words: Words(words.collect()),
+        })
+    }
+}
+
+impl Parts {
+    fn place(&self) -> Place {
+        Place {
+            topics: vec![self.topic.clone()],
+            ..Place::default()
+        }
+    }
+
+    /// The only field, or as many as there are components.
+    fn components<const N: usize>(&self, what: &str) -> Result<Components<N>, BadArgument> {
+        let wrong = |problem| BadArgument(format!("{problem}: {what}"));
+        Components::of(&self.fields).map_err(wrong)
+    }
+
+    fn euler(&mut self, unit: AngleUnit) -> Option<Euler> {
+        let [roll, pitch, yaw] = self.fields.as_slice() else {
+            return None;
+        };
+        Some(Euler {
+            roll: roll.clone(),
+            pitch: pitch.clone(),
+            yaw: yaw.clone(),
+            unit,
+        })
+    }
+
+    fn quaternion(&mut self, what: &str) -> Result<Quaternion, BadArgument> {
+        Ok(Quaternion {
+            fields: self.components(what)?,
+            order: self.words.take().unwrap_or_default(),
+        })
+    }
+}
+
+impl<Source> RoleArgument<Source> {
+    /// Reads an argument that has fields with `read`.
+    fn parse(
+        text: &str,
+        read: impl FnOnce(&mut Parts) -> Result<Source, BadArgument>,
+        known_words: &str,
+    ) -> Result<Self, BadArgument> {
+        let mut parts: Parts = text.parse()?;
+        if parts.fields.is_empty() {
+            let Parts { topic, words, .. } = parts;
+            words.finish("nothing: only a topic is given")?;
+            return Ok(Self::Topic(topic));
+        }
+        let source = read(&mut parts)?;
+        parts.words.finish(known_words)?;
+        Ok(Self::Source(source))
+    }
+}
+
+impl FromStr for RoleArgument<AttitudeSource> {
+    type Err = BadArgument;
+
+    fn from_str(text: &str) -> Result<Self, BadArgument> {
+        let what =
+            "an attitude takes one (a quaternion), three (roll, pitch, yaw) or four (w, x, y, z)";
+        let read = |parts: &mut Parts| {
+            let unit: Option<AngleUnit> = parts.words.take();
+            let orientation = match (parts.fields.len(), unit) {
+                (3, None) => {
+                    return Err(BadArgument(
+                        "roll, pitch and yaw need their unit: `:degrees` or `:radians` behind the fields"
+                            .to_owned(),
+                    ));
+                }
+                (_, Some(unit)) => Orientation::Euler(parts.euler(unit).ok_or_else(|| {
+                    BadArgument(
+                        "an angle's unit goes with three fields: roll, pitch, yaw".to_owned(),
+                    )
+                })?),
+                (_, None) => Orientation::Quaternion(parts.quaternion(what)?),
+            };
+            Ok(AttitudeSource {
+                place: parts.place(),
+                orientation,
+                convention: parts.words.take().unwrap_or_default(),
+                reset_counter: None,
+            })
+        };
+        Self::parse(
+            text,
+            read,
+            "radians, degrees or centidegrees; wxyz or xyzw; frd-ned or flu-enu",
+        )
+    }
+}
+
+impl FromStr for RoleArgument<VelocitySource> {
+    type Err = BadArgument;
+
+    fn from_str(text: &str) -> Result<Self, BadArgument> {
+        let what = "a velocity takes one (a vector) or three";
+        let read = |parts: &mut Parts| {
+            Ok(VelocitySource {
+                place: parts.place(),
+                vector: parts.components(what)?,
+                frame: parts.words.take().ok_or_else(|| {
+                    BadArgument(
+                        "a velocity needs its axes: `:ned`, `:enu`, `:body-frd` or `:body-flu` behind the fields"
+                            .to_owned(),
+                    )
+                })?,
+                unit: parts.words.take().unwrap_or_default(),
+                required: false,
+            })
+        };
+        Self::parse(
+            text,
+            read,
+            "ned, enu, body-frd or body-flu; m/s, cm/s or mm/s",
+        )
+    }
+}
+
+impl FromStr for RoleArgument<GimbalSource> {
+    type Err = BadArgument;
+
+    fn from_str(text: &str) -> Result<Self, BadArgument> {
+        let what = "a gimbal takes one (a pitch angle or a quaternion), three (roll, pitch, yaw) or four (w, x, y, z)";
+        let read = |parts: &mut Parts| {
+            let unit: Option<AngleUnit> = parts.words.take();
+            let orientation = match (parts.fields.as_slice(), unit) {
+                ([field], Some(unit)) => GimbalOrientation::Pitch(Pitch {
+                    field: field.clone(),
+                    unit,
+                    positive: parts.words.take().unwrap_or_default(),
+                }),
+                (_, Some(unit)) => {
+                    GimbalOrientation::Euler(parts.euler(unit).ok_or_else(|| {
+                        BadArgument(
+                        "an angle's unit goes with one field, the pitch, or three: roll, pitch, yaw"
+                            .to_owned(),
+                    )
+                    })?)
+                }
+                ([_, _, _], None) => {
+                    return Err(BadArgument(
+                        "roll, pitch and yaw need their unit: `:degrees` or `:radians` behind the fields"
+                            .to_owned(),
+                    ));
+                }
+                (_, None) => GimbalOrientation::Quaternion(parts.quaternion(what)?),
+            };
+            let reference = match (parts.words.take(), &orientation) {
+                (Some(reference), _) => reference,
+                // A pitch alone has no yaw that would be measured from anything.
+                (None, GimbalOrientation::Pitch(_)) => GimbalReference::Heading,
+                (None, _) => {
+                    return Err(BadArgument(
+                        "a gimbal's rotation needs what it is measured from: `:earth`, `:heading` or `:airframe` \
+                         behind the fields"
+                            .to_owned(),
+                    ));
+                }
+            };
+            Ok(GimbalSource {
+                place: parts.place(),
+                orientation,
+                reference,
+                convention: parts.words.take().unwrap_or_default(),
+            })
+        };
+        Self::parse(
+            text,
+            read,
+            "radians, degrees or centidegrees; up or down; wxyz or xyzw; earth, heading or airframe; \
+             frd-ned or flu-enu",
+        )
+    }
+}
+
+impl FromStr for RoleArgument<PositionSource> {
+    type Err = BadArgument;
+
+    fn from_str(text: &str) -> Result<Self, BadArgument> {
+        let what = "a position takes three: latitude, longitude, altitude or x, y, z, or one (a vector x, y, z)";
+        let read = |parts: &mut Parts| {
+            let unit: Option<AngleUnit> = parts.words.take();
+            let frame: Option<PositionFrame> = parts.words.take();
+            let length = parts.words.take().unwrap_or_default();
+            let coordinates = match (unit, frame, parts.fields.as_slice()) {
+                (Some(unit), None, [latitude, longitude, altitude]) => Coordinates::Geodetic {
+                    latitude: latitude.clone(),
+                    longitude: longitude.clone(),
+                    altitude: altitude.clone(),
+                    unit,
+                    altitude_unit: length,
+                },
+                (None, Some(frame), _) => Coordinates::Local {
+                    vector: parts.components(what)?,
+                    frame,
+                    unit: length,
+                },
+                _ => {
+                    return Err(BadArgument(format!(
+                        "{what}; latitude and longitude need their unit (`:degrees`, `:degE7`), x, y and z their \
+                         axes (`:ned`, `:enu`)"
+                    )));
+                }
+            };
+            Ok(PositionSource {
+                place: parts.place(),
+                coordinates,
+            })
+        };
+        Self::parse(
+            text,
+            read,
+            "radians, degrees or degE7 for a latitude and longitude; ned or enu for x, y, z; m, cm or mm",
+        )
+    }
+}
+
+impl FromStr for TimeSource {
+    type Err = BadArgument;
+
+    fn from_str(text: &str) -> Result<Self, BadArgument> {
+        let (path, unit) = match text.split_once(':') {
+            Some((path, unit)) => (path, Some(unit)),
+            None => (text, None),
+        };
+        match (path, unit) {
+            ("log", None) => Ok(Self::LogTime),
+            ("publish", None) => Ok(Self::PublishTime),
+            (path, unit) => {
+                let mut words = Words(unit.map(str::to_owned).into_iter().collect());
+                let source = Self::Field {
+                    path: (path.parse()).map_err(|error| BadArgument(format!("{error}")))?,
+                    unit: words.take().unwrap_or_default(),
+                };
+                words.finish("s, ms, us or ns")?;
+                Ok(source)
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! How far a value reaches, for stepping over it.
+
+use std::sync::Arc;
+
+use super::message::Length;
+
+/// How many bytes a value of fixed size takes, with the padding before it: by how far behind a multiple of eight
+/// bytes it begins, since nothing is aligned to more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout([usize; 8]);
+
+impl Layout {
+    const NOTHING: Self = Self([0; 8]);
+
+    /// A number.
+    pub fn number(size: usize, alignment: usize) -> Self {
+        Self(std::array::from_fn(|at| {
+            at.next_multiple_of(alignment) - at + size
+        }))
+    }
+
+    /// The size of a value that begins there.
+    pub fn size_at(self, at: usize) -> usize {
+        self.0[at % self.0.len()]
+    }
+
+    /// A value and another behind it. A size beyond all bounds stays beyond them.
+    fn then(self, next: Self) -> Self {
+        Self(std::array::from_fn(|at| {
+            let size = self.0[at];
+            size.saturating_add(next.size_at(at.wrapping_add(size)))
+        }))
+    }
+
+    /// So many of the same, one behind the other, in as many steps as the count has bits.
+    pub fn repeat(self, count: usize) -> Self {
+        let [size, ..] = self.0;
+        if self == Self([size; 8]) {
+            return Self([size.saturating_mul(count); 8]);
+        }
+        let (mut all, mut power, mut rest) = (Self::NOTHING, self, count);
+        while rest > 0 {
+            if rest % 2 == 1 {
+                all = all.then(power);
+            }
+            power = power.then(power);
+            rest /= 2;
+        }
+        all
+    }
+}
+
+/// A stretch of a message that is stepped over.
+#[derive(Debug, Clone)]
+pub enum Skip {
+    /// Values of fixed size.
+    Fixed(Layout),
+    /// A list, or a message that has one.
+    Elements { length: Length, element: Extent },
+}
+
+/// What stepping over a value takes, as few steps as possible: of a value of fixed size one, or none if it takes
+/// no bytes. Types share it, so that it is no larger than the definition, however they nest.
+pub type Extent = Arc<[Skip]>;
+
+impl Skip {
+    /// A list of fixed or varying length.
+    pub fn elements(length: Length, element: Extent) -> Self {
+        match (length, &*element) {
+            (Length::Fixed(0), _) | (Length::Fixed(_), []) => Self::Fixed(Layout::NOTHING),
+            (Length::Fixed(1), [skip]) => skip.clone(),
+            (Length::Fixed(count), [Self::Fixed(layout)]) => Self::Fixed(layout.repeat(count)),
+            _ => Self::Elements { length, element },
+        }
+    }
+
+    /// Adds this to the end of others.
+    pub fn append_to(self, skips: &mut Vec<Self>) {
+        match (skips.last_mut(), self) {
+            (Some(Self::Fixed(last)), Self::Fixed(layout)) => *last = last.then(layout),
+            (_, skip) => skips.push(skip),
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! What to do with the bytes of a message to have the wanted fields.
+
+use std::sync::Arc;
+
+use super::{
+    layout::{Extent, Skip},
+    message::{Element, Field, Length, Message, Type},
+    wire::{Cursor, Dialect, Scalar},
+};
+use crate::source::{
+    field::{FieldTree, FieldValue, Shape, Undecodable},
+    schema::Unresolved,
+};
+
+/// Wanted fields by the names that lead to them, each with what reads it.
+type Fields = FieldTree<String, Op>;
+
+/// What to do, in this order.
+#[derive(Debug)]
+pub struct Program(Vec<Op>);
+
+#[derive(Debug)]
+pub enum Op {
+    Skip(Skip),
+    Number {
+        scalar: Scalar,
+        slot: usize,
+    },
+    Numbers {
+        scalar: Scalar,
+        length: Length,
+        slot: usize,
+    },
+    Word {
+        words: Vec<String>,
+        slot: usize,
+    },
+    /// A list of which some elements are wanted.
+    Elements {
+        length: Length,
+        element: Extent,
+        /// By their place, the first one first.
+        wanted: Vec<(usize, Program)>,
+    },
+}
+
+impl Op {
+    /// Reads a field into a slot; `None` where it is nothing of this shape.
+    pub fn read(field: &Type, shape: &Shape, slot: usize) -> Option<Self> {
+        match (shape, &field.element, field.list) {
+            (Shape::Number, &Element::Number(scalar), None) => Some(Self::Number { scalar, slot }),
+            (Shape::List, &Element::Number(scalar), Some(length)) => Some(Self::Numbers {
+                scalar,
+                length,
+                slot,
+            }),
+            (Shape::Word(words), Element::Text, None) => Some(Self::Word {
+                words: words.clone(),
+                slot,
+            }),
+            _ => None,
+        }
+    }
+}
+
+impl Program {
+    /// Reads these fields of a message, all of them found in its definition.
+    pub fn new(
+        message: &Arc<Message>,
+        wanted: Fields,
+        dialect: Dialect,
+    ) -> Result<Self, Unresolved> {
+        let mut compiler = Compiler::new(dialect);
+        compiler.value(&Element::Message(Arc::clone(message)).into(), wanted)?;
+        // What is left to pass lies behind the last of them.
+        Ok(Self(compiler.ops))
+    }
+
+    pub fn run(&self, cursor: &mut Cursor, slots: &mut [FieldValue]) -> Result<(), Undecodable> {
+        for op in &self.0 {
+            match op {
+                Op::Skip(skip) => cursor.skip(std::slice::from_ref(skip))?,
+                Op::Number { scalar, slot } => slots[*slot].set(cursor.number(*scalar)?),
+                Op::Numbers {
+                    scalar,
+                    length,
+                    slot,
+                } => {
+                    slots[*slot].set_empty_list();
+                    for _ in 0..cursor.length(*length)? {
+                        slots[*slot].push(cursor.number(*scalar)?);
+                    }
+                }
+                Op::Word { words, slot } => slots[*slot].set_word(words, cursor.text()?),
+                Op::Elements {
+                    length,
+                    element,
+                    wanted,
+                } => {
+                    let length = cursor.length(*length)?;
+                    let mut passed = 0;
+                    for (place, program) in wanted.iter().take_while(|(place, _)| *place < length) {
+                        cursor.skip_elements(element, place - passed)?;
+                        program.run(cursor, slots)?;
+                        passed = place + 1;
+                    }
+                    cursor.skip_elements(element, length - passed)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A program in the making.
+struct Compiler {
+    dialect: Dialect,
+    ops: Vec<Op>,
+    /// What lies between the last of these and the field that is looked at.
+    to_pass: Vec<Skip>,
+    /// A field there that cannot be passed.
+    barrier: Option<String>,
+}
+
+impl Compiler {
+    fn new(dialect: Dialect) -> Self {
+        Self {
+            dialect,
+            ops: Vec::new(),
+            to_pass: Vec::new(),
+            barrier: None,
+        }
+    }
+
+    fn value(&mut self, value: &Type, wanted: Fields) -> Result<(), Unresolved> {
+        match (wanted, value.list, &value.element) {
+            (Fields::Leaf(op), ..) => {
+                self.pass()?;
+                self.ops.push(op);
+            }
+            (Fields::Message(mut wanted), None, Element::Message(message)) => {
+                for field in &message.fields {
+                    match wanted.iter().position(|(name, _)| *name == field.name) {
+                        Some(place) => self.value(&field.value, wanted.swap_remove(place).1)?,
+                        None => self.leave_out(field),
+                    }
+                }
+            }
+            (Fields::List { elements, .. }, Some(length), element) => {
+                self.pass()?;
+                let op = self.elements(length, element, elements)?;
+                self.ops.push(op);
+            }
+            _ => unreachable!("each path was found in the definition"),
+        }
+        Ok(())
+    }
+
+    fn elements(
+        &self,
+        length: Length,
+        element: &Element,
+        mut wanted: Vec<(usize, Fields)>,
+    ) -> Result<Op, Unresolved> {
+        wanted.sort_unstable_by_key(|(place, _)| *place);
+        let value = Type::from(element.clone());
+        let program = |(place, wanted)| {
+            let mut compiler = Self::new(self.dialect);
+            compiler.value(&value, wanted)?;
+            // Behind it comes the next element.
+            compiler.pass()?;
+            Ok::<_, Unresolved>((place, Program(compiler.ops)))
+        };
+        let wanted = wanted.into_iter().map(program).collect::<Result<_, _>>()?;
+        Ok(Op::Elements {
+            length,
+            // Without a text of wide characters: that would have been a barrier.
+            element: element.extent(self.dialect).unwrap_or_default(),
+            wanted,
+        })
+    }
+
+    fn leave_out(&mut self, field: &Field) {
+        match field.value.skip(self.dialect) {
+            Some(skip) => skip.append_to(&mut self.to_pass),
+            None => {
+                self.barrier.get_or_insert_with(|| field.name.clone());
+            }
+        }
+    }
+
+    /// Over to the field that is looked at.
+    fn pass(&mut self) -> Result<(), Unresolved> {
+        match self.barrier.take() {
+            Some(field) => Err(Unresolved::Schema {
+                problem: format!(
+                    "nothing behind the field `{field}` can be read, because there is a `wstring` in it, \
+                     which ROS 2's implementations write in different ways"
+                ),
+            }),
+            None => {
+                self.ops.extend(self.to_pass.drain(..).map(Op::Skip));
+                Ok(())
+            }
+        }
+    }
+}
