@@ -48,6 +48,14 @@ impl Quantity {
             Quantity::CameraVelocity => "/camera/velocity",
         }
     }
+
+    /// The frame that its components are expressed in, as messages name it.
+    pub fn frame_id(self) -> &'static str {
+        match self {
+            Quantity::RelativeRpy => "previous_camera",
+            Quantity::CameraVelocity => "camera",
+        }
+    }
 }
 
 impl Derived {

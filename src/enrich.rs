@@ -2,14 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use mcap::records::Channel;
+
 use crate::{
     camera::Camera,
     derived::Quantity,
     error::Error,
     log::Log,
+    messages::Format,
     options::Options,
     reader::Reader,
-    report::{Findings, Report},
+    report::{EncodingReport, Findings, Report},
     sample::Kind,
     source::Source,
     transform::Transform,
@@ -47,13 +50,15 @@ pub fn enrich(
     let log = Log::open(input)?;
     provenance::check_topics_are_free(&log)?;
     let mut source = Source::select(&log, &options.telemetry)?;
-    source.keep(&[Kind::Attitude, Kind::Velocity]);
+    let camera = options.camera(&source)?;
+    source.keep(match camera {
+        Camera::Gimbal => &[Kind::Attitude, Kind::Velocity, Kind::Gimbal],
+        Camera::Stabilised { .. } | Camera::Fixed(_) => &[Kind::Attitude, Kind::Velocity],
+    });
+    let telemetry = attitude_channel(&log, &source);
+    let format = Format::choose(options.encoding, telemetry);
 
     let mut reader = Reader::new(&log, source);
-    let camera = Camera::Stabilised {
-        depression: options.depression,
-        yaw_offset: 0.0,
-    };
     let mut transform = Transform::new(camera, options.max_gap);
     // Begun with the first derived value, so that a log that yields none costs no copy.
     let mut appender: Option<Appender> = None;
@@ -67,11 +72,19 @@ pub fn enrich(
         for value in derived.drain(..) {
             let appender = match &mut appender {
                 Some(appender) => appender,
-                none => none.insert(Appender::begin(&log, &destination, |bytes| {
-                    copied += bytes;
-                    let done = copied + read;
-                    progress(Progress { done, total });
-                })?),
+                none => {
+                    let progress = |bytes| {
+                        copied += bytes;
+                        let done = copied + read;
+                        progress(Progress { done, total });
+                    };
+                    none.insert(Appender::begin(
+                        &log,
+                        &destination,
+                        format.clone(),
+                        progress,
+                    )?)
+                }
             };
             appender.write(&value)?;
         }
@@ -83,12 +96,22 @@ pub fn enrich(
     }
     let outcome = transform.finish();
     let (source, dropped) = reader.finish();
-    let findings = Findings::new(&log, options, source, &dropped, outcome);
+    let encoding = EncodingReport::new(options.encoding, format.encoding, telemetry);
+    let findings = Findings::new(&log, options, source, camera, encoding, &dropped, outcome);
     let Some(appender) = appender else {
         return Err(nothing_derived(input, &findings));
     };
     let appended = appender.finish(findings.facts())?;
     Ok(findings.report(output.into(), appended))
+}
+
+/// The channel with the attitude; of several on its topic, the first.
+fn attitude_channel<'a>(log: &'a Log, source: &Source) -> &'a Channel {
+    let channels = &log.contents.definitions.channels;
+    let topic = source.role(Kind::Attitude).map(|role| role.topic.as_str());
+    let mut of_source = (source.channel_ids().into_iter()).map(|id| &channels[&id].record);
+    let attitude = of_source.find(|channel| Some(channel.topic.as_str()) == topic);
+    attitude.expect("a source has a channel with the attitude")
 }
 
 fn nothing_derived(input: &Path, findings: &Findings) -> Error {

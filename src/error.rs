@@ -98,6 +98,31 @@ pub enum Error {
     BadProfile { path: PathBuf, problem: String },
 
     #[error(
+        "--depression DEG is missing: the angle of the camera's optical axis below the horizon, \
+         which the log does not tell\n\n  \
+         --depression 0    the camera looks ahead, at the horizon\n  \
+         --depression 30   it looks 30° down: a gimbal pitch of -30°\n  \
+         --depression 90   it looks straight down (nadir)\n\n\
+         The angle is in degrees, greater than -90 and at most 90. For a camera that is bolted to the \
+         airframe give --mount ROLL,PITCH,YAW instead; where the log has a gimbal's angles that no profile \
+         knows of, --gimbal tells where."
+    )]
+    NoCamera,
+
+    #[error(
+        "a --mount with roll or pitch contradicts --depression: a gimballed camera does not tilt with the \
+         drone. With --depression give only the yaw (--mount 0,0,90 looks to the right); without it the \
+         camera is bolted to the airframe"
+    )]
+    TiltedMount,
+
+    #[error(
+        "--mount contradicts --gimbal: a camera that is bolted to the airframe follows no gimbal; \
+         leave one of them out"
+    )]
+    GimbalAndMount,
+
+    #[error(
         "{}: nothing can be derived from its telemetry\n{details}\n\
          check which topics and fields the profile names (--profile), and --max-gap", path.display()
     )]
@@ -177,7 +202,12 @@ impl Error {
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
-            Self::UnknownProfile { .. } | Self::BadProfile { .. } | Self::OutputIsInput { .. }
+            Self::UnknownProfile { .. }
+                | Self::BadProfile { .. }
+                | Self::OutputIsInput { .. }
+                | Self::NoCamera
+                | Self::TiltedMount
+                | Self::GimbalAndMount
         )
     }
 }

@@ -28,17 +28,18 @@
 //! | [`log`] | the MCAP container: what a log holds, where its bytes lie | nobody |
 //! | [`source`] | how a log says it: profiles, fields, protobuf and JSON decoders | log, sample, geometry |
 //! | [`reader`] | log + source → samples in time order | log, source, sample |
-//! | [`messages`] | the messages that the program defines, from `proto/` | derived |
+//! | [`messages`] | how derived values are said in protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
 //! | [`writer`] | derived values → channels appended to a log; destinations | log, derived, messages |
 //! | [`mod@enrich`] | the pipeline | all of the above |
-//! | [`options`] | what the user decides about a run | geometry, source, transform |
+//! | [`options`] | what the user decides about a run | geometry, source, transform, messages |
 //! | [`report`] | what a run found and did | what it reports on |
 //! | [`error`] | what can go wrong, said so that the user knows what to do | |
 //!
 //! Reader and writer never know each other, and only the command line, in the binary, prints.
 //!
-//! Where a change goes: a new autopilot is a file in `profiles/`; a new encoding is a decoder in [`source`]; a
-//! new derived quantity starts in [`derived`] and `proto/`, and the compiler leads on from there.
+//! Where a change goes: a new autopilot is a file in `profiles/`; a new encoding is a decoder in [`source`] and,
+//! if it is to be written too, a module of [`messages`]; a new derived quantity starts in [`derived`], `proto/`
+//! and `schemas/`, and the compiler leads on from there.
 //!
 //! # Units and frames
 //!

@@ -1,22 +1,24 @@
 //! What a run found and did, for people, for scripts, and for the result's own Metadata record.
 
+mod findings;
+mod ros2;
+
 use std::{
-    collections::BTreeMap,
+    fmt,
     path::{Path, PathBuf},
 };
 
+use mcap::records::Channel;
 use serde::{Serialize, Serializer};
 
 use crate::{
-    derived::Quantity,
-    log::{Log, ScanReason},
-    messages,
-    options::Options,
+    camera::Camera,
+    messages::{Encoding, EncodingChoice},
     sample::{Kind, Tallies, Tally},
-    source::{RoleSource, Source, profile::ProfileChoice},
-    transform::{Breaks, Outcome},
-    writer::Appended,
+    source::Source,
+    transform::Breaks,
 };
+pub(crate) use findings::Findings;
 
 /// What a run did. As JSON it is what scripts read, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,14 +31,18 @@ pub struct Report {
     pub output: PathBuf,
     /// How the log names its telemetry.
     pub profile: ProfileReport,
-    /// The depression angle, degrees below the horizon.
-    pub depression_deg: f64,
+    /// In which language the new messages are written.
+    pub encoding: EncodingReport,
+    /// How the camera hangs on the drone.
+    pub camera: CameraReport,
     /// The longest time between two attitude samples that belong together, seconds.
     pub max_gap_s: f64,
     /// What became of the attitude samples.
     pub attitude: SampleReport,
     /// What became of the velocity samples.
     pub velocity: SampleReport,
+    /// What became of the gimbal's angles, if the camera follows them.
+    pub gimbal: Option<SampleReport>,
     /// How often the chain of attitude samples broke.
     pub breaks: Breaks,
     /// The topics that the result has and the log had not.
@@ -60,6 +66,96 @@ pub struct ProfileReport {
     pub name: String,
     /// Why this one, in words.
     pub reason: String,
+}
+
+/// How the camera hangs on the drone, with the angles in degrees as they were given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum CameraReport {
+    /// On a gimbal that cancels the drone's roll and pitch.
+    Stabilised {
+        /// How far below the horizon it looks.
+        depression_deg: f64,
+        /// How far to the right of the drone's nose.
+        yaw_offset_deg: f64,
+    },
+    /// Bolted to the airframe.
+    Fixed {
+        /// Roll, pitch and yaw from the drone's axes.
+        mount_deg: [f64; 3],
+    },
+    /// On a gimbal whose angles the log has.
+    Gimbal,
+}
+
+impl From<Camera> for CameraReport {
+    fn from(camera: Camera) -> Self {
+        match camera {
+            Camera::Stabilised {
+                depression,
+                yaw_offset,
+            } => Self::Stabilised {
+                depression_deg: depression.degrees(),
+                // Given in degrees: what the way there and back changed is rounded off.
+                yaw_offset_deg: (yaw_offset.to_degrees() * 1e9).round() / 1e9,
+            },
+            Camera::Fixed(mount) => Self::Fixed {
+                mount_deg: mount.degrees(),
+            },
+            Camera::Gimbal => Self::Gimbal,
+        }
+    }
+}
+
+impl fmt::Display for CameraReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Stabilised {
+                depression_deg,
+                yaw_offset_deg,
+            } => {
+                match depression_deg {
+                    0.0 => f.write_str("looks at the horizon")?,
+                    up if up < 0.0 => write!(f, "looks {}° above the horizon", -up)?,
+                    down => write!(f, "looks {down}° below the horizon")?,
+                }
+                match yaw_offset_deg {
+                    0.0 => Ok(()),
+                    left if left < 0.0 => write!(f, ", {}° to the left of the nose", -left),
+                    right => write!(f, ", {right}° to the right of the nose"),
+                }
+            }
+            Self::Fixed {
+                mount_deg: [roll, pitch, yaw],
+            } => write!(
+                f,
+                "bolted to the airframe at roll {roll}°, pitch {pitch}°, yaw {yaw}°"
+            ),
+            Self::Gimbal => f.write_str("follows the gimbal"),
+        }
+    }
+}
+
+/// The encoding that was used.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct EncodingReport {
+    /// The encoding.
+    pub name: Encoding,
+    /// Why this one, in words.
+    pub reason: String,
+}
+
+impl EncodingReport {
+    pub(crate) fn new(choice: EncodingChoice, used: Encoding, telemetry: &Channel) -> Self {
+        let found = format!("{} is {}", telemetry.topic, telemetry.message_encoding);
+        Self {
+            name: used,
+            reason: match choice {
+                EncodingChoice::Automatic => format!("chosen because {found}"),
+                EncodingChoice::Given(_) => format!("as asked for; {found}"),
+            },
+        }
+    }
 }
 
 /// What became of one kind of sample.
@@ -101,193 +197,7 @@ pub struct MissingTopic {
     pub reason: String,
 }
 
-/// What was found in a log, once all of its telemetry was read.
-pub(crate) struct Findings<'a> {
-    log: &'a Log,
-    options: &'a Options,
-    source: Source,
-    attitude: SampleReport,
-    velocity: SampleReport,
-    breaks: Breaks,
-}
-
-impl<'a> Findings<'a> {
-    pub fn new(
-        log: &'a Log,
-        options: &'a Options,
-        source: Source,
-        dropped: &Tallies,
-        outcome: Outcome,
-    ) -> Self {
-        let mut tallies = outcome.tallies;
-        tallies.merge(dropped);
-        Self {
-            log,
-            options,
-            attitude: SampleReport::new(&source, &tallies, Kind::Attitude),
-            velocity: SampleReport::new(&source, &tallies, Kind::Velocity),
-            breaks: outcome.breaks,
-            source,
-        }
-    }
-
-    /// Why a quantity has no messages, if it has none.
-    pub fn why_missing(&self, quantity: Quantity) -> String {
-        match quantity {
-            Quantity::RelativeRpy if self.attitude.tally.used < 2 => format!(
-                "it takes two usable attitude samples, and {} has {}",
-                self.attitude.topic.as_deref().unwrap_or_default(),
-                describe(&self.attitude.tally)
-            ),
-            Quantity::RelativeRpy => format!(
-                "no two attitude samples belong together (gaps between them: {}, resets: {})",
-                self.breaks.gaps, self.breaks.resets
-            ),
-            Quantity::CameraVelocity => match self.source.why_missing(Kind::Velocity) {
-                Some(reason) => reason.to_owned(),
-                None => format!(
-                    "of the velocity samples on {}, {}",
-                    self.velocity.topic.as_deref().unwrap_or_default(),
-                    describe(&self.velocity.tally)
-                ),
-            },
-        }
-    }
-
-    /// How the result was made, as its Metadata record says it.
-    pub fn facts(&self) -> BTreeMap<String, String> {
-        let Self {
-            options, source, ..
-        } = self;
-        let profile_toml = toml::to_string(&source.profile);
-        let mut facts = BTreeMap::from(
-            [
-                ("depression_deg", options.depression.degrees().to_string()),
-                ("max_gap_s", options.max_gap.seconds().to_string()),
-                ("profile", source.profile.name.clone()),
-                (
-                    "profile_toml",
-                    profile_toml.expect("a profile was read from TOML"),
-                ),
-                ("attitude_gaps", self.breaks.gaps.to_string()),
-                ("attitude_resets", self.breaks.resets.to_string()),
-            ]
-            .map(|(key, fact)| (key.to_owned(), fact)),
-        );
-        for (kind, samples) in [("attitude", &self.attitude), ("velocity", &self.velocity)] {
-            if let Some(topic) = &samples.topic {
-                facts.insert(format!("{kind}_topic"), topic.clone());
-            }
-            facts.insert(format!("{kind}_used"), samples.tally.used.to_string());
-            for (reason, count) in &samples.tally.dropped {
-                let key = format!("{kind}_dropped_{}", reason.name());
-                facts.insert(key, count.to_string());
-            }
-        }
-        facts
-    }
-
-    /// The report on a result that was written to `output`.
-    pub fn report(self, output: PathBuf, appended: Appended) -> Report {
-        let has_messages = |quantity: &Quantity| appended.messages.contains_key(quantity);
-        let (written, missing): (Vec<Quantity>, Vec<Quantity>) =
-            Quantity::ALL.into_iter().partition(has_messages);
-        let reason = self.source.role(Kind::Attitude).map(RoleSource::reason);
-        let reason = reason.unwrap_or_default();
-        Report {
-            input: self.log.file.path().into(),
-            output,
-            profile: ProfileReport {
-                name: self.source.profile.name.clone(),
-                reason: match self.options.telemetry.profile {
-                    ProfileChoice::Automatic => format!("chosen because {reason}"),
-                    ProfileChoice::Given(_) => format!("as asked for; {reason}"),
-                },
-            },
-            depression_deg: self.options.depression.degrees(),
-            max_gap_s: self.options.max_gap.seconds(),
-            written: written
-                .into_iter()
-                .map(|quantity| WrittenTopic {
-                    topic: quantity.topic(),
-                    schema: messages::schema(quantity).name,
-                    messages: appended.messages[&quantity],
-                })
-                .collect(),
-            not_written: missing
-                .into_iter()
-                .map(|quantity| MissingTopic {
-                    topic: quantity.topic(),
-                    reason: self.why_missing(quantity),
-                })
-                .collect(),
-            bytes_copied: appended.copied,
-            bytes_appended: appended.appended,
-            complete: self.log.is_readable_to_its_end() && self.undecodable() == 0,
-            notes: self.notes(),
-            attitude: self.attitude,
-            velocity: self.velocity,
-            breaks: self.breaks,
-        }
-    }
-
-    /// Readings whose messages did not decode.
-    fn undecodable(&self) -> u64 {
-        [&self.attitude.tally, &self.velocity.tally]
-            .into_iter()
-            .flat_map(|tally| &tally.dropped)
-            .filter(|(reason, _)| reason.is_unreadable())
-            .map(|(_, count)| count)
-            .sum()
-    }
-
-    fn notes(&self) -> Vec<String> {
-        let log = self.log;
-        let end = match (log.breaks_off_at, log.scanned) {
-            (Some(offset), _) if offset == log.file.len() => Some(
-                "the log was never closed; all of its records were used, and the result is closed"
-                    .to_owned(),
-            ),
-            (Some(offset), _) => {
-                let lost = log.file.len() - offset;
-                Some(format!(
-                    "the log breaks off at byte {offset}; the {lost} bytes from there on are not readable"
-                ))
-            }
-            (None, Some(ScanReason::NotClosed)) => Some(
-                "the log does not end as a closed log does, but its data is whole; the result is closed"
-                    .to_owned(),
-            ),
-            (None, Some(ScanReason::NoSummary)) => {
-                Some("the log had no readable summary; the result has one".to_owned())
-            }
-            (None, Some(ScanReason::IncompleteSummary)) => Some(
-                "the log's summary was incomplete or wrong; the result's is complete".to_owned(),
-            ),
-            (None, None) => None,
-        };
-        let loose = log.contents.has_loose_messages().then(|| {
-            "the log has messages outside chunks, which a chunk index would hide; \
-             the result has none, so seeking in it takes longer"
-                .to_owned()
-        });
-        let undecodable = (self.undecodable() > 0)
-            .then(|| "some messages do not decode as their schema says".to_owned());
-        let notes = [end, loose, undecodable, self.source.suspicion()];
-        notes.into_iter().flatten().collect()
-    }
-}
-
 /// A path for JSON, which cannot hold every file name that a system allows.
 fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path.to_string_lossy())
-}
-
-/// A tally in words.
-fn describe(tally: &Tally) -> String {
-    let mut words = vec![format!("{} of {} usable", tally.used, tally.total())];
-    for (reason, count) in &tally.dropped {
-        words.push(format!("{count} {}", reason.describe()));
-    }
-    words.join(", ")
 }

@@ -12,9 +12,7 @@ use std::{
 };
 
 use assert_cmd::cargo::cargo_bin_cmd;
-use flightcam::messages::v1::RelativeRpy;
 use mcap::{MessageStream, records::MessageHeader};
-use prost::Message as _;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -243,13 +241,13 @@ fn count_messages(log: &[u8]) -> BTreeMap<String, u64> {
     counts
 }
 
-/// Roll, pitch and yaw of each relative rotation, one after the other.
+/// Roll, pitch and yaw of each relative rotation, one after the other, of a log in JSON.
 fn rotations(log: &[u8]) -> Vec<f64> {
     let messages = MessageStream::new(log).unwrap().map(Result::unwrap);
     messages
         .filter(|message| message.channel.topic == "/camera/relative_rpy")
-        .map(|message| RelativeRpy::decode(&*message.data).unwrap())
-        .flat_map(|rpy| [rpy.roll, rpy.pitch, rpy.yaw])
+        .map(|message| serde_json::from_slice::<Value>(&message.data).unwrap())
+        .flat_map(|rpy| ["roll", "pitch", "yaw"].map(|angle| rpy[angle].as_f64().unwrap()))
         .collect()
 }
 
@@ -586,6 +584,7 @@ fn the_json_report_has_every_number() {
         "input": LOG,
         "output": RESULT,
         "profile": { "name": "flat", "reason": "chosen because /drone/state has roll, pitch, yaw" },
+        "encoding": { "name": "protobuf", "reason": "chosen because /drone/state is protobuf" },
         "depression_deg": 30.0,
         "max_gap_s": 5.0,
         "attitude": samples,
@@ -602,6 +601,29 @@ fn the_json_report_has_every_number() {
         "notes": [],
     });
     assert_eq!(report, expected);
+}
+
+#[test]
+fn the_encoding_is_as_asked_for_and_the_advice_names_its_fields() {
+    let own = "flightcam.v1.CameraVelocity … /camera/relative_rpy.yaw and /camera/velocity.x.";
+    let ros2 = "geometry_msgs/msg/Vector3Stamped … \
+                /camera/relative_rpy.vector.z and /camera/velocity.vector.x.";
+    for (argument, used, expected) in [
+        ("auto", "protobuf", own),
+        ("protobuf", "protobuf", own),
+        ("json", "json", own),
+        ("ros2", "ros2", ros2),
+    ] {
+        let folder = Folder::with_flight();
+        let arguments = enrich(&format!("--encoding {argument} --force"));
+        let report = folder.reports(&arguments, 0);
+        assert_eq!(report["encoding"]["name"], used);
+        let schema = report["written"][1]["schema"].as_str().unwrap();
+        let printed = folder.run(&arguments, 0).0;
+        assert_reads(&format!("{schema} {printed}"), expected);
+    }
+    let message = "'xml' for '--encoding … auto, protobuf, json, ros2";
+    Folder::with_flight().refuses(&enrich("--encoding xml"), 2, message);
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! The ecosystem's own readers as judges of results: the official Python library, and the TypeScript one
-//! that Foxglove uses. `tests/readers/install` installs them; without them these tests say that they were
-//! skipped, unless `FLIGHTCAM_REQUIRE_READERS` is set.
+//! The ecosystem's own readers as judges of results: the official Python library with its decoders, rosbags,
+//! and the TypeScript library that Foxglove uses. `tests/readers/install` installs them; without them these
+//! tests say that they were skipped, unless `FLIGHTCAM_REQUIRE_READERS` is set.
 
 mod common;
 
@@ -11,8 +11,12 @@ use std::{
     process::Command,
 };
 
-use common::*;
-use flightcam::enrich::enrich;
+use common::{message::Said, *};
+use flightcam::{
+    Options,
+    enrich::enrich,
+    messages::{Encoding, EncodingChoice},
+};
 use mcap::{Compression, records::op};
 use serde_json::Value;
 
@@ -35,8 +39,8 @@ fn readers() -> Option<[Vec<PathBuf>; 2]> {
     None
 }
 
-/// What a reader says of a file: a line for each message, and its summary.
-fn read(reader: &[PathBuf], log: &Path, mode: &[&str]) -> (Vec<String>, Value) {
+/// The lines that a reader prints of a file.
+fn run(reader: &[PathBuf], log: &Path, mode: &[&str]) -> Vec<String> {
     let output = Command::new(&reader[0])
         .arg(&reader[1])
         .arg(log)
@@ -50,7 +54,12 @@ fn read(reader: &[PathBuf], log: &Path, mode: &[&str]) -> (Vec<String>, Value) {
         log.display()
     );
     let text = String::from_utf8(output.stdout).expect("the reader writes UTF-8");
-    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    text.lines().map(str::to_owned).collect()
+}
+
+/// What a reader says of a file: a line for each message, and its summary.
+fn read(reader: &[PathBuf], log: &Path, mode: &[&str]) -> (Vec<String>, Value) {
+    let mut lines = run(reader, log, mode);
     let last = lines.pop().expect("a line");
     let summary = last
         .strip_prefix("summary ")
@@ -190,4 +199,94 @@ fn both_readers_find_every_message_whatever_the_shape_of_the_log() {
         fs::write(&input, log).expect("the log is written");
         have_judged(&readers, &input);
     }
+}
+
+/// What the Python decoders find in a derived message, read with `decode.py`.
+#[derive(Debug, PartialEq)]
+struct Decoded {
+    topic: String,
+    log_time: u64,
+    stamp: u64,
+    frame_id: String,
+    /// To the last bit.
+    numbers: [u64; 3],
+}
+
+fn decode(python: &Path, log: &Path, library: &str) -> Vec<Decoded> {
+    let decoder = [python.to_owned(), repository("tests/readers/decode.py")];
+    let lines = run(&decoder, log, &[library]);
+    let decoded = lines.iter().map(|line| {
+        let words: Vec<&str> = line.split(' ').collect();
+        let [topic, log_time, stamp, frame_id, numbers @ ..] = &words[..] else {
+            panic!("{line}")
+        };
+        let numbers = <[&str; 3]>::try_from(numbers).expect("three numbers");
+        Decoded {
+            topic: (*topic).to_owned(),
+            log_time: log_time.parse().expect("a time"),
+            stamp: stamp.parse().expect("a time"),
+            frame_id: (*frame_id).to_owned(),
+            numbers: numbers.map(|number| number.parse::<f64>().expect("a number").to_bits()),
+        }
+    });
+    decoded.collect()
+}
+
+/// Enriches a log in an encoding and has a library decode what was derived. It must say what the same log
+/// enriched in protobuf says.
+fn have_decoded(python: &Path, input: &Path, encoding: Encoding, library: &str) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().join("result.mcap");
+    let enriched = |encoding| {
+        let options = Options {
+            encoding: EncodingChoice::Given(encoding),
+            overwrite: true,
+            ..options()
+        };
+        enrich(input, &output, &options, &mut |_| {}).expect("a result");
+        fs::read(&output).expect("the result")
+    };
+    let protobuf = stream(&enriched(Encoding::Protobuf), false).into_iter();
+    let derived = protobuf.filter(|message| DERIVED.contains(&message.topic.as_str()));
+    let mut expected: Vec<Decoded> = derived
+        .map(|message| Said::by(&message))
+        .map(|said| Decoded {
+            topic: said.topic,
+            log_time: said.log_time,
+            stamp: said.log_time,
+            frame_id: said.frame_id,
+            numbers: said.numbers.map(f64::to_bits),
+        })
+        .collect();
+    assert!(!expected.is_empty());
+
+    enriched(encoding);
+    let mut decoded = decode(python, &output, library);
+    assert!(decoded.is_sorted_by_key(|message| message.log_time));
+    // At equal times readers may choose.
+    let order = |message: &Decoded| (message.log_time, message.topic.clone());
+    expected.sort_by_key(order);
+    decoded.sort_by_key(order);
+    assert!(decoded == expected, "{encoding:?} of {}", input.display());
+}
+
+#[test]
+fn the_ecosystems_decoders_find_the_same_numbers_in_every_encoding() {
+    let Some([python, _]) = readers() else { return };
+    for encoding in Encoding::ALL {
+        let input = repository("fixtures/survey_flight.mcap");
+        have_decoded(&python[0], &input, encoding, "mcap");
+    }
+}
+
+#[test]
+fn rosbags_reads_ros2_messages_from_a_ros2_file() {
+    let Some([python, _]) = readers() else { return };
+    let mut shape = Shape::with(|options| options.profile("ros2"));
+    // A schema that is not ROS 2 would make it refuse the file.
+    shape.schema_id = 0;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let input = folder.path().join("log.mcap");
+    fs::write(&input, shape.write()).expect("the log is written");
+    have_decoded(&python[0], &input, Encoding::Ros2, "rosbags");
 }

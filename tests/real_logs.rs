@@ -4,9 +4,8 @@ mod common;
 
 use std::fs;
 
-use common::*;
-use flightcam::{Report, messages::v1};
-use prost::Message;
+use common::{message::Said, *};
+use flightcam::Report;
 
 /// A row of the expectations: topic, log time, three numbers.
 type Row = (String, u64, [f64; 3]);
@@ -29,19 +28,16 @@ fn expected(csv: &str) -> Vec<Row> {
 
 fn derived(messages: Vec<Read>) -> Vec<Row> {
     let row = |message: Read| {
-        let payload = &message.payload[..];
-        let (timestamp, numbers) = if message.topic == "/camera/velocity" {
-            let velocity = v1::CameraVelocity::decode(payload).expect("a CameraVelocity");
-            assert_eq!(velocity.frame_id, "camera");
-            (velocity.timestamp, [velocity.x, velocity.y, velocity.z])
-        } else {
-            let rpy = v1::RelativeRpy::decode(payload).expect("a RelativeRpy");
-            (rpy.timestamp, [rpy.roll, rpy.pitch, rpy.yaw])
+        let said = Said::by(&message);
+        let frame_id = match message.topic.as_str() {
+            "/camera/velocity" => "camera",
+            _ => "previous_camera",
         };
-        let timestamp = timestamp.expect("a timestamp");
-        let time = timestamp.seconds as u64 * 1_000_000_000 + timestamp.nanos as u64;
-        assert_eq!(time, message.log_time);
-        (message.topic, message.log_time, numbers)
+        assert_eq!(
+            (said.stamp, said.frame_id.as_str()),
+            (message.log_time, frame_id)
+        );
+        (message.topic, message.log_time, said.numbers)
     };
     messages.into_iter().map(row).collect()
 }

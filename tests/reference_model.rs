@@ -135,7 +135,7 @@ mod model {
                 yaw_offset,
             } => {
                 let down = UnitQuaternion::from_euler_angles(0.0, -depression.radians(), 0.0);
-                Ok(about_z(heading(drone)? + yaw_offset) * down)
+                Ok::<_, DropReason>(about_z(heading(drone)? + yaw_offset) * down)
             }
             Camera::Fixed(mount) => {
                 let [roll, pitch, yaw] = mount.degrees().map(f64::to_radians);

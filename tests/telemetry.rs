@@ -4,11 +4,10 @@ mod common;
 
 use std::{fs, io::Cursor, path::PathBuf};
 
-use common::*;
+use common::{message::Said, *};
 use flightcam::{
     Error, Options, Report,
     enrich::enrich,
-    messages::v1,
     source::profile::{Profile, ProfileChoice},
 };
 use mcap::{WriteOptions, records::MessageHeader};
@@ -110,33 +109,24 @@ impl Logbook {
     }
 }
 
-fn yaws(derived: &[Read]) -> Vec<(u64, f64)> {
-    let rotations = derived
-        .iter()
-        .filter(|message| message.topic == "/camera/relative_rpy");
-    rotations
+/// Of the messages of a topic, the times in milliseconds, and one of the numbers.
+fn numbers(derived: &[Read], topic: &str, which: usize) -> Vec<(u64, f64)> {
+    let of_topic = derived.iter().filter(|message| message.topic == topic);
+    of_topic
         .map(|message| {
-            let rpy = v1::RelativeRpy::decode(&message.payload[..]).expect("a RelativeRpy");
+            let number = Said::by(message).numbers[which];
             // Away the last digits, which are geometry's subject.
-            (message.log_time / 1_000_000, (rpy.yaw * 1e9).round() / 1e9)
+            (message.log_time / 1_000_000, (number * 1e9).round() / 1e9)
         })
         .collect()
 }
 
+fn yaws(derived: &[Read]) -> Vec<(u64, f64)> {
+    numbers(derived, "/camera/relative_rpy", 2)
+}
+
 fn forwards(derived: &[Read]) -> Vec<(u64, f64)> {
-    let velocities = derived
-        .iter()
-        .filter(|message| message.topic == "/camera/velocity");
-    velocities
-        .map(|message| {
-            let velocity =
-                v1::CameraVelocity::decode(&message.payload[..]).expect("a CameraVelocity");
-            (
-                message.log_time / 1_000_000,
-                (velocity.x * 1e9).round() / 1e9,
-            )
-        })
-        .collect()
+    numbers(derived, "/camera/velocity", 0)
 }
 
 fn dropped(tally: &flightcam::sample::Tally) -> Vec<(&'static str, u64)> {
@@ -202,12 +192,11 @@ fn derived_messages_have_the_times_of_their_samples() {
     for message in &derived {
         assert_eq!(message.publish_time, message.log_time + 7);
     }
-    let interval = derived
+    let rotation = derived
         .iter()
-        .find(|message| message.topic == "/camera/relative_rpy")
-        .and_then(|message| v1::RelativeRpy::decode(&message.payload[..]).ok()?.interval)
-        .expect("an interval");
-    assert_eq!((interval.seconds, interval.nanos), (0, 20_000_000));
+        .find(|message| message.topic == "/camera/relative_rpy");
+    let interval = Said::by(rotation.expect("a rotation")).interval;
+    assert_eq!(interval, Some(20_000_000));
 }
 
 const FLAT: &str = "message Message { double roll = 1; float pitch = 20; double yaw = 3;

@@ -8,29 +8,33 @@ use std::{
 };
 
 use clap::{
-    Args, CommandFactory,
+    Args, ValueEnum,
     builder::{PathBufValueParser, TypedValueParser},
 };
 use flightcam::{
     Error, Options, Progress, Report,
+    camera::Mount,
     enrich::{default_output, enrich},
     geometry::DepressionAngle,
+    messages::{Encoding, EncodingChoice},
     report::SampleReport,
     transform::{Breaks, MaxGap},
 };
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
 
 use super::{
-    Cli, Exit, complain,
+    Exit, complain,
     telemetry::{EXAMPLES, TelemetryArguments},
 };
+
+const EXAMPLE: &str = "Example:\n  flightcam enrich flight.mcap --depression 30";
 
 /// Write a log again with /camera/relative_rpy and /camera/velocity
 ///
 /// Every byte of the log's data is kept as it is; the new channels lie behind it.
 #[derive(Debug, Args)]
 #[command(override_usage = "flightcam enrich <INPUT> --depression <DEG> [OPTIONS]")]
-#[command(after_help = "Example:\n  flightcam enrich flight.mcap --depression 30", after_long_help = EXAMPLES)]
+#[command(after_help = EXAMPLE, after_long_help = format!("{EXAMPLE}\n\n{EXAMPLES}"))]
 pub struct Arguments {
     /// The flight log, an MCAP file
     input: PathBuf,
@@ -40,9 +44,14 @@ pub struct Arguments {
     output: Option<PathBuf>,
 
     /// How far the camera looks below the horizon, in degrees: 0 ahead, 30 for a gimbal pitch of -30,
-    /// 90 straight down [required]
+    /// 90 straight down. Needed where the log has no gimbal angles; where it has, this wins
     #[arg(long, value_name = "DEG", value_parser = depression_angle, allow_negative_numbers = true)]
     depression: Option<DepressionAngle>,
+
+    /// How a camera without gimbal is bolted to the airframe, in degrees from the drone's axes: 0,-30,0
+    /// looks ahead and 30 down. With --depression: 0,0,YAW for a gimballed camera that looks YAW to the right
+    #[arg(long, value_name = "ROLL,PITCH,YAW", value_parser = mount, allow_hyphen_values = true)]
+    mount: Option<Mount>,
 
     /// The longest time between two attitude samples that still belong together
     #[arg(long, value_name = "SECONDS", value_parser = max_gap, default_value = "5", allow_negative_numbers = true)]
@@ -50,6 +59,10 @@ pub struct Arguments {
 
     #[command(flatten)]
     telemetry: TelemetryArguments,
+
+    /// In which language the new messages are written
+    #[arg(long, value_enum, default_value = "auto")]
+    encoding: EncodingArgument,
 
     /// Replace an output that exists
     #[arg(long)]
@@ -64,14 +77,36 @@ pub struct Arguments {
     json: bool,
 }
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum EncodingArgument {
+    /// As the telemetry is: ROS 2 for ROS 2, JSON for JSON, else protobuf
+    Auto,
+    /// flightcam.v1.RelativeRpy and flightcam.v1.CameraVelocity
+    Protobuf,
+    /// The same fields in JSON
+    Json,
+    /// geometry_msgs/msg/Vector3Stamped for both
+    Ros2,
+}
+
+impl From<EncodingArgument> for EncodingChoice {
+    fn from(argument: EncodingArgument) -> Self {
+        match argument {
+            EncodingArgument::Auto => Self::Automatic,
+            EncodingArgument::Protobuf => Self::Given(Encoding::Protobuf),
+            EncodingArgument::Json => Self::Given(Encoding::Json),
+            EncodingArgument::Ros2 => Self::Given(Encoding::Ros2),
+        }
+    }
+}
+
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let Some(depression) = arguments.depression else {
-        explain_depression();
-    };
     let options = Options {
-        depression,
+        depression: arguments.depression,
+        mount: arguments.mount,
         max_gap: arguments.max_gap,
         telemetry: arguments.telemetry.request()?,
+        encoding: arguments.encoding.into(),
         overwrite: arguments.force,
     };
     let input = &arguments.input;
@@ -108,28 +143,20 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::PartlyUnreadable)
 }
 
-/// Ends the process: there is no angle that would be right for somebody who did not think of it.
-fn explain_depression() -> ! {
-    let mut command = Cli::command();
-    command.build();
-    let enrich = command.find_subcommand_mut("enrich");
-    enrich
-        .expect("this subcommand exists")
-        .error(
-            clap::error::ErrorKind::MissingRequiredArgument,
-            "--depression DEG is missing: the angle of the camera's optical axis below the horizon, \
-             which the log does not tell\n\n  \
-             --depression 0    the camera looks ahead, at the horizon\n  \
-             --depression 30   it looks 30° down: a gimbal pitch of -30°\n  \
-             --depression 90   it looks straight down (nadir)\n\n\
-             The angle is in degrees, greater than -90 and at most 90.",
-        )
-        .exit()
-}
-
 fn depression_angle(degrees: &str) -> Result<DepressionAngle, String> {
     let degrees: f64 = number(degrees)?;
     DepressionAngle::from_degrees(degrees).map_err(|error| error.to_string())
+}
+
+fn mount(angles: &str) -> Result<Mount, String> {
+    let angles: Vec<f64> = angles
+        .split(',')
+        .map(|angle| number(angle.trim()))
+        .collect::<Result<_, _>>()?;
+    let [roll, pitch, yaw] = angles[..] else {
+        return Err("write roll, pitch and yaw in degrees, as in 0,-30,0".to_owned());
+    };
+    Mount::from_degrees(roll, pitch, yaw).map_err(|error| error.to_string())
 }
 
 fn max_gap(seconds: &str) -> Result<MaxGap, String> {
@@ -169,7 +196,7 @@ fn describe(report: &Report) -> String {
         "Profile",
         &format!("{}, {}", report.profile.name, report.profile.reason),
     );
-    line("Camera", &describe_angle(report.depression_deg));
+    line("Camera", &report.camera.to_string());
     describe_samples(&mut line, "Attitude", &report.attitude);
     let Breaks { gaps, resets } = report.breaks;
     if gaps > 0 {
@@ -188,6 +215,9 @@ fn describe(report: &Report) -> String {
         );
     }
     describe_samples(&mut line, "Velocity", &report.velocity);
+    if let Some(gimbal) = &report.gimbal {
+        describe_samples(&mut line, "Gimbal", gimbal);
+    }
     for topic in &report.written {
         let messages = plural(topic.messages, "message");
         line("Written", &format!("{}: {messages}", topic.topic));
@@ -207,29 +237,31 @@ fn describe(report: &Report) -> String {
         line("Note", note);
     }
     line("Result", &report.output.display().to_string());
-    let fields: Vec<&str> = report
-        .written
-        .iter()
-        .map(|topic| match topic.topic {
-            "/camera/velocity" => "/camera/velocity.x",
-            _ => "/camera/relative_rpy.yaw",
+    let paths: Vec<String> = (report.written.iter())
+        .map(|topic| {
+            format!(
+                "{}{}",
+                topic.topic,
+                telling_field(topic.topic, report.encoding.name)
+            )
         })
         .collect();
     let _ = write!(
         text,
         "\nTo look at it, open the result in Foxglove (https://foxglove.dev), add a Plot panel, and plot {}.",
-        fields.join(" and ")
+        paths.join(" and ")
     );
     text
 }
 
-fn describe_angle(depression_deg: f64) -> String {
-    if depression_deg == 0.0 {
-        "looks at the horizon".to_owned()
-    } else if depression_deg < 0.0 {
-        format!("looks {}° above the horizon", -depression_deg)
-    } else {
-        format!("looks {depression_deg}° below the horizon")
+/// The field of a topic's messages that shows most at a glance, as Foxglove writes its path.
+fn telling_field(topic: &str, encoding: Encoding) -> &'static str {
+    let is_velocity = topic == "/camera/velocity";
+    match (is_velocity, encoding) {
+        (false, Encoding::Protobuf | Encoding::Json) => ".yaw",
+        (false, Encoding::Ros2) => ".vector.z",
+        (true, Encoding::Protobuf | Encoding::Json) => ".x",
+        (true, Encoding::Ros2) => ".vector.x",
     }
 }
 

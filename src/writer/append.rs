@@ -11,7 +11,6 @@ use mcap::{
     Attachment, Compression, WriteOptions,
     records::{ChunkIndex, DataEnd, Header, MessageHeader, op},
 };
-use prost::Message;
 
 use super::{
     destination::{Destination, Pending},
@@ -20,14 +19,14 @@ use super::{
     summary, tail,
 };
 use crate::{
-    derived::{Derived, Quantity, Value},
+    derived::{Derived, Quantity},
     error::Error,
     log::{
         Log, SegmentReader,
         contents::SegmentKind,
         record::{push_record, serialize},
     },
-    messages::{self, v1},
+    messages::{Format, Schema},
 };
 
 /// Bytes of a new chunk before compression: so few that a viewer that seeks loads little.
@@ -41,12 +40,15 @@ type Output = BufWriter<File>;
 /// Writes a log with new channels.
 pub struct Appender<'a> {
     log: &'a Log,
+    format: Format,
     output: Pending,
     writer: mcap::Writer<Region<Output>>,
     seal: Seal,
     /// The chunk indexes of chunks that had no message indexes until now, by the chunks' offsets.
     reindexed: BTreeMap<u64, ChunkIndex>,
     channels: BTreeMap<Quantity, NewChannel>,
+    /// The ids of the new channels' schemas, by name.
+    schemas: BTreeMap<&'static str, u16>,
     /// The ids that are in use, the new ones included.
     schema_ids: BTreeSet<u16>,
     channel_ids: BTreeSet<u16>,
@@ -70,14 +72,15 @@ pub struct Appended {
 }
 
 impl<'a> Appender<'a> {
-    /// Starts the output with a copy of the log's data section. `progress` is told of each stretch of bytes
-    /// copied.
+    /// Starts the output with a copy of the log's data section. The new messages will be in the `format`;
+    /// `progress` is told of each stretch of bytes copied.
     ///
     /// # Errors
     /// The output cannot be created or written, or the log cannot be read.
     pub fn begin(
         log: &'a Log,
         destination: &Destination,
+        format: Format,
         progress: impl FnMut(u64),
     ) -> Result<Self, Error> {
         let write_error = |source| destination.write_error(source);
@@ -108,11 +111,13 @@ impl<'a> Appender<'a> {
             .map_err(|error| append_error(destination, error))?;
         Ok(Self {
             log,
+            format,
             output,
             writer,
             seal,
             reindexed,
             channels: BTreeMap::new(),
+            schemas: BTreeMap::new(),
             schema_ids: log.contents.schema_ids(),
             channel_ids: log.contents.channel_ids(),
             payload: Vec::new(),
@@ -141,7 +146,8 @@ impl<'a> Appender<'a> {
         };
         channel.messages += 1;
         self.payload.clear();
-        encode(derived, &mut self.payload);
+        let encoding = self.format.encoding;
+        encoding.encode(derived, &mut self.payload);
         self.writer
             .write_to_known_channel(&header, &self.payload)
             .map_err(|error| append_error(self.output.destination(), error))
@@ -201,24 +207,48 @@ impl<'a> Appender<'a> {
     }
 
     fn add_channel(&mut self, quantity: Quantity) -> Result<NewChannel, Error> {
-        let no_free = |what| Error::NoFreeId {
-            path: self.log.file.path().into(),
-            what,
-        };
-        // The schema id 0 means "no schema".
-        let schema_id = take_free_id(&mut self.schema_ids, 1).ok_or_else(|| no_free("schema"))?;
-        let id = take_free_id(&mut self.channel_ids, 0).ok_or_else(|| no_free("channel"))?;
-        let schema = messages::schema(quantity);
-        let topic = quantity.topic();
+        let encoding = self.format.encoding;
+        let schema = encoding.schema(quantity);
+        let schema_id = self.schema_id(&schema)?;
+        let id = take_free_id(&mut self.channel_ids, 0);
+        let id = id.ok_or_else(|| no_free_id(self.log, "channel"))?;
         self.writer
-            .add_schema_with_id(schema_id, schema.name, "protobuf", schema.descriptors)
+            .add_schema_with_id(schema_id, schema.name, schema.encoding, schema.data)
             .and_then(|_| {
-                let metadata = BTreeMap::new();
-                self.writer
-                    .add_channel_with_id(id, schema_id, topic, "protobuf", &metadata)
+                self.writer.add_channel_with_id(
+                    id,
+                    schema_id,
+                    quantity.topic(),
+                    encoding.message_encoding(),
+                    &self.format.channel_metadata,
+                )
             })
             .map_err(|error| append_error(self.output.destination(), error))?;
         Ok(NewChannel { id, messages: 0 })
+    }
+
+    /// The id of a new channel's schema: the one that the log, or another new channel, has for the same
+    /// schema, else a free one.
+    fn schema_id(&mut self, schema: &Schema) -> Result<u16, Error> {
+        if let Some(&id) = self.schemas.get(schema.name) {
+            return Ok(id);
+        }
+        let mut present = self.log.contents.definitions.schemas.values();
+        let same = present.find(|present| {
+            (
+                present.name.as_str(),
+                present.encoding.as_str(),
+                present.data(),
+            ) == (schema.name, schema.encoding, schema.data)
+        });
+        let id = match same {
+            Some(same) => Some(same.id),
+            // The schema id 0 means "no schema".
+            None => take_free_id(&mut self.schema_ids, 1),
+        };
+        let id = id.ok_or_else(|| no_free_id(self.log, "schema"))?;
+        self.schemas.insert(schema.name, id);
+        Ok(id)
     }
 }
 
@@ -240,6 +270,13 @@ fn append_error(destination: &Destination, error: mcap::McapError) -> Error {
             path: destination.path().into(),
             source,
         },
+    }
+}
+
+fn no_free_id(log: &Log, what: &'static str) -> Error {
+    Error::NoFreeId {
+        path: log.file.path().into(),
+        what,
     }
 }
 
@@ -303,46 +340,4 @@ fn write_missing_indexes(
         }
     }
     Ok(reindexed)
-}
-
-/// Appends the message of a derived value to `out`.
-fn encode(derived: &Derived, out: &mut Vec<u8>) {
-    let timestamp = Some(timestamp(derived.stamp.log_time));
-    let encoded = match derived.value {
-        Value::RelativeRpy { interval, rpy } => v1::RelativeRpy {
-            timestamp,
-            frame_id: "previous_camera".to_owned(),
-            interval: Some(duration(interval)),
-            roll: rpy.roll,
-            pitch: rpy.pitch,
-            yaw: rpy.yaw,
-        }
-        .encode(out),
-        Value::CameraVelocity(velocity) => v1::CameraVelocity {
-            timestamp,
-            frame_id: "camera".to_owned(),
-            x: velocity.x,
-            y: velocity.y,
-            z: velocity.z,
-        }
-        .encode(out),
-    };
-    encoded.expect("a vector grows as needed");
-}
-
-fn timestamp(nanoseconds: u64) -> prost_types::Timestamp {
-    let (seconds, nanos) = split_seconds(nanoseconds);
-    prost_types::Timestamp { seconds, nanos }
-}
-
-fn duration(nanoseconds: u64) -> prost_types::Duration {
-    let (seconds, nanos) = split_seconds(nanoseconds);
-    prost_types::Duration { seconds, nanos }
-}
-
-/// Whole seconds and the nanoseconds beyond them, both of which fit as they are smaller than `u64::MAX` / 1e9
-/// and 1e9.
-fn split_seconds(nanoseconds: u64) -> (i64, i32) {
-    const SECOND: u64 = 1_000_000_000;
-    ((nanoseconds / SECOND) as i64, (nanoseconds % SECOND) as i32)
 }

@@ -75,9 +75,9 @@ pub fn check_topics_are_free(log: &Log) -> Result<(), Error> {
 fn describe(record: &Metadata) -> String {
     let get = |key| record.metadata.get(key).map_or("?", String::as_str);
     format!(
-        "version {}, depression {}°, profile {}",
+        "version {}, camera {}, profile {}",
         get(VERSION),
-        get("depression_deg"),
+        get("camera"),
         get("profile")
     )
 }

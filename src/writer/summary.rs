@@ -31,7 +31,7 @@ pub fn encode(
         .schemas
         .values()
         .map(|schema| schema.body.clone());
-    let new_schemas = sorted(&appended.schemas).map(|schema| {
+    let new_schemas = new_schemas(contents, appended).map(|schema| {
         let mut body = serialize(&mcap::records::SchemaHeader {
             id: schema.id,
             name: schema.name.clone(),
@@ -132,7 +132,7 @@ fn merge_statistics(contents: &Contents, appended: &mcap::Summary) -> Statistics
         merged.message_end_time = merged.message_end_time.max(new.message_end_time);
     }
     merged.message_count += new.message_count;
-    merged.schema_count += new.schema_count;
+    merged.schema_count += new_schemas(contents, appended).count() as u16;
     merged.channel_count += new.channel_count;
     merged.attachment_count += new.attachment_count;
     merged.metadata_count += new.metadata_count;
@@ -143,6 +143,17 @@ fn merge_statistics(contents: &Contents, appended: &mcap::Summary) -> Statistics
             .map(|(&id, &count)| (id, count)),
     );
     merged
+}
+
+/// The schemas that the log had not: a new channel may use one of the log's own.
+fn new_schemas<'a>(
+    contents: &'a Contents,
+    appended: &'a mcap::Summary,
+) -> impl Iterator<Item = &'a mcap::Schema<'static>> {
+    let known = &contents.definitions.schemas;
+    sorted(&appended.schemas)
+        .map(|schema| &**schema)
+        .filter(|schema| !known.contains_key(&schema.id))
 }
 
 fn sorted<T>(by_id: &std::collections::HashMap<u16, T>) -> impl Iterator<Item = &T> {

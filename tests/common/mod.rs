@@ -1,6 +1,10 @@
 //! What the tests share: logs of any shape, and a judge of results that is made of the official reader.
 #![allow(dead_code)] // Each test binary uses its own part of this.
 
+pub mod message;
+
+pub use message::Read;
+
 use std::{
     borrow::Cow,
     collections::BTreeMap,
@@ -54,11 +58,15 @@ pub fn options() -> Options {
 
 /// Enriches a log that lies in memory; gives the result's bytes and the report.
 pub fn enrich_bytes(log: &[u8]) -> Result<(Vec<u8>, Report), Error> {
+    enrich_bytes_with(log, &options())
+}
+
+pub fn enrich_bytes_with(log: &[u8], options: &Options) -> Result<(Vec<u8>, Report), Error> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let input = folder.path().join("log.mcap");
     let output = folder.path().join("result.mcap");
     fs::write(&input, log).expect("the log is written");
-    let report = enrich(&input, &output, &options(), &mut |_| {})?;
+    let report = enrich(&input, &output, options, &mut |_| {})?;
     Ok((fs::read(output).expect("the result is read"), report))
 }
 
@@ -75,6 +83,7 @@ pub struct Shape {
     pub topic_after_topic: bool,
     pub attachment_and_metadata: bool,
     pub channel_ids: [u16; 2],
+    /// The telemetry's; 0 for none.
     pub schema_id: u16,
 }
 
@@ -107,9 +116,11 @@ impl Shape {
         let mut file = Cursor::new(Vec::new());
         let mut writer = self.options.clone().create(&mut file).expect("a writer");
         let schema = br#"{"type":"object","properties":{"roll":{},"pitch":{},"yaw":{},"vx":{},"vy":{},"vz":{}}}"#;
-        writer
-            .add_schema_with_id(self.schema_id, "State", "jsonschema", schema)
-            .expect("a schema");
+        if self.schema_id != 0 {
+            writer
+                .add_schema_with_id(self.schema_id, "State", "jsonschema", schema)
+                .expect("a schema");
+        }
         let [telemetry, other] = self.channel_ids;
         for (id, schema, topic) in [(telemetry, self.schema_id, TELEMETRY), (other, 0, "/other")] {
             writer
@@ -266,31 +277,18 @@ pub fn whole_records(log: &[u8]) -> &[u8] {
 /// The topics that enriching adds.
 pub const DERIVED: [&str; 2] = ["/camera/relative_rpy", "/camera/velocity"];
 
-/// A message as any reader gives it.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Read {
-    pub topic: String,
-    pub log_time: u64,
-    pub publish_time: u64,
-    pub sequence: u32,
-    pub payload: Vec<u8>,
-}
-
 /// Every message in the order of the file, read as a stream, with all checksums checked.
 pub fn stream(log: &[u8], torn: bool) -> Vec<Read> {
     let mut channels = BTreeMap::new();
     let mut messages = Vec::new();
     each_record(log, torn, |record| match record {
         Record::Channel(channel) => {
-            channels.insert(channel.id, channel.topic);
+            channels.insert(channel.id, (channel.topic, channel.message_encoding));
         }
-        Record::Message { header, data } => messages.push(Read {
-            topic: channels[&header.channel_id].clone(),
-            log_time: header.log_time,
-            publish_time: header.publish_time,
-            sequence: header.sequence,
-            payload: data.into_owned(),
-        }),
+        Record::Message { header, data } => {
+            let (topic, encoding) = &channels[&header.channel_id];
+            messages.push(Read::new(topic, encoding, &header, &data));
+        }
         _ => {}
     });
     messages
@@ -338,13 +336,11 @@ pub fn indexed(log: &[u8]) -> Vec<Read> {
                     .insert_chunk_record_data(offset, chunk)
                     .expect("a readable chunk");
             }
-            IndexedReadEvent::Message { header, data } => messages.push(Read {
-                topic: summary.channels[&header.channel_id].topic.clone(),
-                log_time: header.log_time,
-                publish_time: header.publish_time,
-                sequence: header.sequence,
-                payload: data.to_vec(),
-            }),
+            IndexedReadEvent::Message { header, data } => {
+                let channel = &summary.channels[&header.channel_id];
+                let (topic, encoding) = (&channel.topic, &channel.message_encoding);
+                messages.push(Read::new(topic, encoding, &header, data));
+            }
         }
     }
     messages
