@@ -12,6 +12,7 @@ mod file;
 mod foreign;
 mod scan;
 mod summary;
+mod times;
 
 use std::{
     collections::{BTreeMap, BTreeSet},

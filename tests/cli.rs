@@ -329,8 +329,7 @@ fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_there_is
 #[test]
 fn of_topics_that_fit_equally_well_the_user_chooses() {
     let twins = ["/left", "/right"].map(|name| topic(name, states(5, 1.0)));
-    let message = "flight.mcap: /left and /right fit equally well … --profile FILE.toml … \
-                   `topics = [\"/left\"]` under [attitude]";
+    let message = "flight.mcap: /left and /right fit equally well … --attitude /left";
     Folder::with(LOG, log(&twins)).refuses(&enrich(""), 1, message);
 }
 
@@ -357,7 +356,7 @@ fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
             "roll",
             "`roll`, `pitch`, `yaw`; … has roll_deg",
         ),
-        (log(&[foreign]), "roll", "`flatbuffer` … protobuf and JSON"),
+        (log(&[foreign]), "roll", "`flatbuffer` … reads protobuf, JSON, ROS 2"),
         (log(&[elsewhere]), "roll", "/drone/status (json"),
     ];
     for (log, roll, problem) in cases {
@@ -374,7 +373,7 @@ fn a_profile_that_is_none_is_refused_with_the_place_and_the_choice() {
     folder.add("torn.toml", "name = \"torn\"\n[attitude\n");
     folder.add("typo.toml", profile("roll").replace("topics", "topic"));
     for (profile, code, message) in [
-        ("px4", 2, "`px4` … px4-ulog, flat, flat-deg … .toml"),
+        ("px4", 2, "`px4` … px4-ulog, px4-ros2, mavros … flat, flat-deg … .toml"),
         ("torn.toml", 2, "torn.toml: not a profile … line 2"),
         ("typo.toml", 2, "typo.toml: … line 3 … `topic` … `topics`"),
         ("gone.toml", 2, "gone.toml: not a profile"),
@@ -417,7 +416,7 @@ fn depressions_from_nearly_straight_up_to_straight_down_are_accepted() {
     let folder = Folder::with(LOG, state_log(1.0));
     for (degrees, expected) in [("90", 90.0), ("-89.9", -89.9), ("0", 0.0), ("-30", -30.0)] {
         let report = folder.reports(&format!("enrich {LOG} --force --depression {degrees}"), 0);
-        let used = report["depression_deg"].as_f64().unwrap();
+        let used = report["camera"]["depression_deg"].as_f64().unwrap();
         assert!((used - expected).abs() < 1e-9, "{used}");
         assert_eq!(rotations(&folder.read(RESULT)).len(), 3 * 49);
     }
@@ -585,7 +584,8 @@ fn the_json_report_has_every_number() {
         "output": RESULT,
         "profile": { "name": "flat", "reason": "chosen because /drone/state has roll, pitch, yaw" },
         "encoding": { "name": "protobuf", "reason": "chosen because /drone/state is protobuf" },
-        "depression_deg": 30.0,
+        "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
+        "gimbal": null,
         "max_gap_s": 5.0,
         "attitude": samples,
         "velocity": samples,

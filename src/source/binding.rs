@@ -166,7 +166,7 @@ impl<'a> Binder<'a> {
     /// Binds those alternatives for which the schema has the fields, up to the first that needs no condition.
     ///
     /// # Errors
-    /// There is none; the error tells what the one that lacks the fewest fields lacks.
+    /// There is none; the error tells what the one that lacks the least lacks.
     pub fn bind_role<A: Alternative>(
         &mut self,
         profile: &Profile,
@@ -177,7 +177,7 @@ impl<'a> Binder<'a> {
             fields: Vec::new(),
             readings: Vec::new(),
         };
-        let mut nearest: Option<Unresolved> = None;
+        let mut nearest: Option<(f64, Unresolved)> = None;
         for &alternative in alternatives {
             match self.bind_reading(profile, alternative) {
                 Ok(reading) => {
@@ -192,15 +192,15 @@ impl<'a> Binder<'a> {
                 }
                 Err(unreadable @ Unresolved::Unreadable(_)) => return Err(unreadable),
                 Err(unresolved) => {
-                    let lacks = unresolved.lacks();
-                    if nearest.as_ref().is_none_or(|other| other.lacks() > lacks) {
-                        nearest = Some(unresolved);
+                    let share = unresolved.lacks() as f64 / alternative.fields().len() as f64;
+                    if nearest.as_ref().is_none_or(|(least, _)| share < *least) {
+                        nearest = Some((share, unresolved));
                     }
                 }
             }
         }
         match nearest {
-            Some(unresolved) if role.readings.is_empty() => Err(unresolved),
+            Some((_, unresolved)) if role.readings.is_empty() => Err(unresolved),
             _ => Ok(role),
         }
     }

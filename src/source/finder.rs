@@ -298,7 +298,7 @@ impl<'a> Finder<'a> {
                     format!("the messages on {own} have none")
                 }
                 ([], _) => format!("the profile `{}` has no {}", profile.name, A::KIND.name()),
-                (names, _) => format!("there is no message on {}", names.join(" or ")),
+                (names, _) => format!("there is no message on {}", list(names)),
             }),
         }))
     }
@@ -425,6 +425,16 @@ impl<'a> Finder<'a> {
 fn is_within(topic: &str, namespace: &str) -> bool {
     (topic.strip_prefix(namespace))
         .is_some_and(|rest| namespace.is_empty() || rest.starts_with('/'))
+}
+
+/// The first few of the topics that would do.
+fn list(names: &[String]) -> String {
+    const LISTED: usize = 3;
+    match names.len().saturating_sub(LISTED) {
+        0 => names.join(" or "),
+        1 => format!("{} or one other", names[..LISTED].join(", ")),
+        more => format!("{} or {more} others", names[..LISTED].join(", ")),
+    }
 }
 
 /// The fields that a message must have for a profile that names no topics.
