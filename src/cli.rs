@@ -1,15 +1,19 @@
 //! The command line: one file a subcommand, each with its arguments and what it prints.
 
+mod camera;
 mod enrich;
+mod inspect;
+mod profiles;
 mod telemetry;
 
 use std::{
-    io::{self, Write},
+    io::{self, ErrorKind, Write},
     process::ExitCode,
 };
 
 use clap::{Parser, Subcommand};
 use flightcam::Error;
+use indicatif::HumanCount;
 
 /// Adds the camera's motion to drone flight logs in MCAP
 ///
@@ -25,6 +29,8 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Enrich(enrich::Arguments),
+    Inspect(inspect::Arguments),
+    Profiles(profiles::Arguments),
 }
 
 /// What scripts learn from an exit; the README lists the codes.
@@ -50,6 +56,8 @@ impl From<Exit> for ExitCode {
 pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Enrich(arguments) => enrich::run(&arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Profiles(arguments) => profiles::run(&arguments),
     };
     result
         .unwrap_or_else(|error| {
@@ -70,4 +78,27 @@ fn exit_for(error: &Error) -> Exit {
     } else {
         Exit::Failed
     }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse()
+        .map_err(|_| "not a number; write it as 30 or 30.5".to_owned())
+}
+
+/// Writes a result to standard output. A reader that stops reading early is no error; any other trouble is
+/// worth a warning, but what was done is done.
+fn print_result(text: &str) {
+    let mut out = io::stdout().lock();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain("warning", &format!("cannot write the report: {error}"));
+        }
+        _ => {}
+    }
+}
+
+/// A count of things, with the thing's plural where it is due.
+fn plural(count: u64, thing: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{} {thing}{ending}", HumanCount(count))
 }

@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use mcap::records::Channel;
-
 use crate::{
     camera::Camera,
     derived::Quantity,
@@ -55,7 +53,7 @@ pub fn enrich(
         Camera::Gimbal => &[Kind::Attitude, Kind::Velocity, Kind::Gimbal],
         Camera::Stabilised { .. } | Camera::Fixed(_) => &[Kind::Attitude, Kind::Velocity],
     });
-    let telemetry = attitude_channel(&log, &source);
+    let telemetry = source.attitude_channel(&log);
     let format = Format::choose(options.encoding, telemetry);
 
     let mut reader = Reader::new(&log, source);
@@ -103,15 +101,6 @@ pub fn enrich(
     };
     let appended = appender.finish(findings.facts())?;
     Ok(findings.report(output.into(), appended))
-}
-
-/// The channel with the attitude; of several on its topic, the first.
-fn attitude_channel<'a>(log: &'a Log, source: &Source) -> &'a Channel {
-    let channels = &log.contents.definitions.channels;
-    let topic = source.role(Kind::Attitude).map(|role| role.topic.as_str());
-    let mut of_source = (source.channel_ids().into_iter()).map(|id| &channels[&id].record);
-    let attitude = of_source.find(|channel| Some(channel.topic.as_str()) == topic);
-    attitude.expect("a source has a channel with the attitude")
 }
 
 fn nothing_derived(input: &Path, findings: &Findings) -> Error {

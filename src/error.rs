@@ -198,6 +198,11 @@ impl Error {
         }
     }
 
+    /// Whether the log could not be read, as opposed to not having what is looked for.
+    pub fn is_of_reading(&self) -> bool {
+        matches!(self, Self::Io { .. } | Self::Corrupt { .. })
+    }
+
     /// Whether what was asked for was wrong, whatever the log holds.
     pub fn is_usage(&self) -> bool {
         matches!(

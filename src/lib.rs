@@ -53,6 +53,7 @@ pub mod derived;
 pub mod enrich;
 pub mod error;
 pub mod geometry;
+pub mod inspect;
 pub mod log;
 pub mod messages;
 pub mod options;

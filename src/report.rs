@@ -198,6 +198,6 @@ pub struct MissingTopic {
 }
 
 /// A path for JSON, which cannot hold every file name that a system allows.
-fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path.to_string_lossy())
 }

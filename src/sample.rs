@@ -70,6 +70,17 @@ pub enum GimbalReference {
     Airframe,
 }
 
+impl GimbalReference {
+    /// In words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Earth => "horizon and north",
+            Self::Heading => "horizon and the drone's heading",
+            Self::Airframe => "airframe",
+        }
+    }
+}
+
 /// Where the drone is at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionSample {

@@ -18,8 +18,11 @@ mod topic;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use mcap::records::Channel;
+use serde::Serialize;
+
 use crate::{
-    log::record::RawMessage,
+    log::{Log, record::RawMessage},
     sample::{DropReason, Kind, Sample},
 };
 use channel::{ChannelSource, LargestAngles};
@@ -50,7 +53,7 @@ pub struct RoleSource {
 }
 
 /// A profile that was tried and not chosen.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RunnerUp {
     /// As the profile calls itself.
     pub profile: String,
@@ -69,6 +72,22 @@ impl RoleSource {
 }
 
 impl Source {
+    /// Where the attitude comes from, which no source is without.
+    pub fn attitude(&self) -> &RoleSource {
+        self.role(Kind::Attitude).expect("a source has an attitude")
+    }
+
+    /// The channel with the attitude; of several on its topic, the first.
+    pub fn attitude_channel<'a>(&self, log: &'a Log) -> &'a Channel {
+        let channels = log.contents.definitions.channels.values();
+        let mut of_source =
+            channels.filter(|channel| self.channels.contains_key(&channel.record.id));
+        let attitude = of_source.find(|channel| channel.record.topic == self.attitude().topic);
+        &attitude
+            .expect("a source has a channel with the attitude")
+            .record
+    }
+
     /// Where samples of a kind come from, if from anywhere.
     pub fn role(&self, kind: Kind) -> Option<&RoleSource> {
         self.roles.get(&kind)?.as_ref().ok()
@@ -115,7 +134,7 @@ impl Source {
         Some(format!(
             "{} has an angle of {angle:.1}, read as radians like all of its angles; \
              if they are degrees, use --profile flat-deg",
-            self.role(Kind::Attitude)?.topic
+            self.attitude().topic
         ))
     }
 }

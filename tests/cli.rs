@@ -356,7 +356,11 @@ fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
             "roll",
             "`roll`, `pitch`, `yaw`; … has roll_deg",
         ),
-        (log(&[foreign]), "roll", "`flatbuffer` … reads protobuf, JSON, ROS 2"),
+        (
+            log(&[foreign]),
+            "roll",
+            "`flatbuffer` … reads protobuf, JSON, ROS 2",
+        ),
         (log(&[elsewhere]), "roll", "/drone/status (json"),
     ];
     for (log, roll, problem) in cases {
@@ -373,9 +377,17 @@ fn a_profile_that_is_none_is_refused_with_the_place_and_the_choice() {
     folder.add("torn.toml", "name = \"torn\"\n[attitude\n");
     folder.add("typo.toml", profile("roll").replace("topics", "topic"));
     for (profile, code, message) in [
-        ("px4", 2, "`px4` … px4-ulog, px4-ros2, mavros … flat, flat-deg … .toml"),
+        (
+            "px4",
+            2,
+            "`px4` … px4-ulog, px4-ros2, mavros … flat, flat-deg … .toml",
+        ),
         ("torn.toml", 2, "torn.toml: not a profile … line 2"),
-        ("typo.toml", 2, "typo.toml: … line 3 … `topic` … `topics`"),
+        (
+            "typo.toml",
+            2,
+            "typo.toml: … unknown key `attitude.topic` … README",
+        ),
         ("gone.toml", 2, "gone.toml: not a profile"),
     ] {
         folder.refuses(&enrich(&format!("--profile {profile}")), code, message);

@@ -2,7 +2,7 @@
 
 use std::{
     fmt::Write as _,
-    io::{self, ErrorKind, IsTerminal, Write},
+    io::{self, IsTerminal},
     path::PathBuf,
     time::{Duration, Instant},
 };
@@ -13,9 +13,7 @@ use clap::{
 };
 use flightcam::{
     Error, Options, Progress, Report,
-    camera::Mount,
     enrich::{default_output, enrich},
-    geometry::DepressionAngle,
     messages::{Encoding, EncodingChoice},
     report::SampleReport,
     transform::{Breaks, MaxGap},
@@ -23,7 +21,9 @@ use flightcam::{
 use indicatif::{HumanCount, ProgressBar, ProgressStyle};
 
 use super::{
-    Exit, complain,
+    Exit,
+    camera::CameraArguments,
+    complain, number, plural, print_result,
     telemetry::{EXAMPLES, TelemetryArguments},
 };
 
@@ -43,15 +43,8 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE", value_parser = file_name())]
     output: Option<PathBuf>,
 
-    /// How far the camera looks below the horizon, in degrees: 0 ahead, 30 for a gimbal pitch of -30,
-    /// 90 straight down. Needed where the log has no gimbal angles; where it has, this wins
-    #[arg(long, value_name = "DEG", value_parser = depression_angle, allow_negative_numbers = true)]
-    depression: Option<DepressionAngle>,
-
-    /// How a camera without gimbal is bolted to the airframe, in degrees from the drone's axes: 0,-30,0
-    /// looks ahead and 30 down. With --depression: 0,0,YAW for a gimballed camera that looks YAW to the right
-    #[arg(long, value_name = "ROLL,PITCH,YAW", value_parser = mount, allow_hyphen_values = true)]
-    mount: Option<Mount>,
+    #[command(flatten)]
+    camera: CameraArguments,
 
     /// The longest time between two attitude samples that still belong together
     #[arg(long, value_name = "SECONDS", value_parser = max_gap, default_value = "5", allow_negative_numbers = true)]
@@ -102,8 +95,8 @@ impl From<EncodingArgument> for EncodingChoice {
 
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let options = Options {
-        depression: arguments.depression,
-        mount: arguments.mount,
+        depression: arguments.camera.depression,
+        mount: arguments.camera.mount,
         max_gap: arguments.max_gap,
         telemetry: arguments.telemetry.request()?,
         encoding: arguments.encoding.into(),
@@ -120,17 +113,11 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     bar.clear();
     let report = report?;
 
-    let printed = if arguments.json {
+    if arguments.json {
         let json = serde_json::to_string_pretty(&report);
-        print(&json.expect("a report has only string keys"))
-    } else if arguments.quiet {
-        Ok(())
-    } else {
-        print(&describe(&report))
-    };
-    if let Err(error) = printed {
-        // The result is complete all the same.
-        complain("warning", &format!("cannot write the report: {error}"));
+        print_result(&json.expect("a report has only string keys"));
+    } else if !arguments.quiet {
+        print_result(&describe(&report));
     }
     if report.complete {
         return Ok(Exit::Done);
@@ -143,22 +130,6 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::PartlyUnreadable)
 }
 
-fn depression_angle(degrees: &str) -> Result<DepressionAngle, String> {
-    let degrees: f64 = number(degrees)?;
-    DepressionAngle::from_degrees(degrees).map_err(|error| error.to_string())
-}
-
-fn mount(angles: &str) -> Result<Mount, String> {
-    let angles: Vec<f64> = angles
-        .split(',')
-        .map(|angle| number(angle.trim()))
-        .collect::<Result<_, _>>()?;
-    let [roll, pitch, yaw] = angles[..] else {
-        return Err("write roll, pitch and yaw in degrees, as in 0,-30,0".to_owned());
-    };
-    Mount::from_degrees(roll, pitch, yaw).map_err(|error| error.to_string())
-}
-
 fn max_gap(seconds: &str) -> Result<MaxGap, String> {
     MaxGap::from_seconds(number(seconds)?).map_err(|error| error.to_string())
 }
@@ -168,21 +139,6 @@ fn file_name() -> impl TypedValueParser {
     PathBufValueParser::new().try_map(|path| match path.as_os_str() == "-" {
         true => Err("flightcam does not write to a pipe; name a file"),
         false => Ok(path),
-    })
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    text.parse()
-        .map_err(|_| "not a number; write it as 30 or 30.5".to_owned())
-}
-
-/// Writes a result to standard output. A reader that stops reading early is no error.
-fn print(text: &str) -> io::Result<()> {
-    let mut out = io::stdout().lock();
-    let written = writeln!(out, "{text}").and_then(|()| out.flush());
-    written.or_else(|error| match error.kind() {
-        ErrorKind::BrokenPipe => Ok(()),
-        _ => Err(error),
     })
 }
 
@@ -263,12 +219,6 @@ fn telling_field(topic: &str, encoding: Encoding) -> &'static str {
         (true, Encoding::Protobuf | Encoding::Json) => ".x",
         (true, Encoding::Ros2) => ".vector.x",
     }
-}
-
-/// A count of things, with the thing's plural where it is due.
-fn plural(count: u64, thing: &str) -> String {
-    let ending = if count == 1 { "" } else { "s" };
-    format!("{} {thing}{ending}", HumanCount(count))
 }
 
 fn describe_samples(line: &mut impl FnMut(&str, &str), label: &str, samples: &SampleReport) {

@@ -16,7 +16,7 @@ use crate::{
     log::{Log, ScanReason},
     options::Options,
     sample::{Kind, Tallies, Tally},
-    source::{RoleSource, Source, profile::ProfileChoice},
+    source::{Source, profile::ProfileChoice},
     transform::Outcome,
     writer::Appended,
 };
@@ -138,8 +138,7 @@ impl<'a> Findings<'a> {
         let has_messages = |quantity: &Quantity| appended.messages.contains_key(quantity);
         let (written, missing): (Vec<Quantity>, Vec<Quantity>) =
             Quantity::ALL.into_iter().partition(has_messages);
-        let reason = self.source.role(Kind::Attitude).map(RoleSource::reason);
-        let reason = reason.unwrap_or_default();
+        let reason = self.source.attitude().reason();
         Report {
             notes: self.notes(&output),
             input: self.log.file.path().into(),

@@ -252,13 +252,16 @@ impl From<serde_json::Error> for Undecodable {
     }
 }
 
-/// The wanted fields of a message, as a tree of the steps that lead to them.
+/// The wanted fields of a message, by the names that lead to them.
+pub type Branches<Name, Leaf> = Vec<(Name, FieldTree<Name, Leaf>)>;
+
+/// The wanted fields under one step of a path.
 #[derive(Debug)]
 pub enum FieldTree<Name, Leaf> {
     /// A wanted field.
     Leaf(Leaf),
     /// A message that holds wanted fields.
-    Message(Vec<(Name, Self)>),
+    Message(Branches<Name, Leaf>),
     /// A list that holds wanted elements, and its place in [`Slots::seen`].
     List {
         counter: usize,
@@ -289,7 +292,7 @@ pub struct Overlap;
 /// Adds a field at the end of a path to the branches of a message. `lists` counts the lists that paths lead
 /// into.
 pub fn insert<Name: PartialEq + Clone, Leaf>(
-    branches: &mut Vec<(Name, FieldTree<Name, Leaf>)>,
+    branches: &mut Branches<Name, Leaf>,
     path: &[Key<Name>],
     leaf: Leaf,
     lists: &mut usize,

@@ -7,7 +7,9 @@ use serde_json::Value;
 
 use super::{
     examples::Examples,
-    field::{FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted},
+    field::{
+        Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
+    },
     path::{FieldPath, Step},
     schema::{Unresolved, tree},
 };
@@ -24,7 +26,7 @@ pub struct Schema<'a> {
 /// Reads the wanted fields of one channel's messages.
 #[derive(Debug)]
 pub struct Decoder {
-    fields: Vec<(String, Tree)>,
+    fields: Branches<String, Leaf>,
 }
 
 type Tree = FieldTree<String, Leaf>;

@@ -10,7 +10,9 @@ use prost::{
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
 use super::{
-    field::{FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted},
+    field::{
+        Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
+    },
     path::{FieldPath, Step},
     schema::{Unresolved, tree},
 };
@@ -24,7 +26,7 @@ pub struct Schema {
 /// Reads the wanted fields of one message type.
 #[derive(Debug)]
 pub struct Decoder {
-    fields: Vec<(u32, Tree)>,
+    fields: Branches<u32, Leaf>,
 }
 
 type Tree = FieldTree<u32, Leaf>;

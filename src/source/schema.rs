@@ -4,7 +4,7 @@ use mcap::records::Channel;
 
 use super::{
     examples::Examples,
-    field::{self, FieldKind, FieldTree, Key, Overlap, Slots, Undecodable, Wanted},
+    field::{self, Branches, FieldKind, Key, Overlap, Slots, Undecodable, Wanted},
     json,
     path::FieldPath,
     protobuf, ros,
@@ -139,7 +139,7 @@ impl Decoder {
 /// of its root.
 pub fn tree<Name: PartialEq + Clone, Leaf>(
     wanted: Vec<(&FieldPath, Vec<Key<Name>>, Leaf)>,
-) -> Result<Vec<(Name, FieldTree<Name, Leaf>)>, Unresolved> {
+) -> Result<Branches<Name, Leaf>, Unresolved> {
     let mut root = Vec::new();
     let mut lists = 0;
     for (path, keys, leaf) in wanted {

@@ -1,0 +1,372 @@
+//! What a log has, before anything is written: which telemetry would be used, and what would come of it.
+//!
+//! On a log with a summary only the message indexes of the telemetry and, for what share of it is usable, some of
+//! its messages are read.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+};
+
+use mcap::records::Channel;
+use serde::Serialize;
+
+use crate::{
+    camera::Camera,
+    derived::Quantity,
+    error::Error,
+    log::{Log, SegmentReader, contents::Segment},
+    messages::Format,
+    options::Options,
+    report::{CameraReport, lossy},
+    sample::{Kind, Position, Sample, Tallies, Tally, Velocity},
+    source::{RunnerUp, Source},
+    writer::provenance,
+};
+
+/// Bytes of segments that are read at most, to learn what share of the telemetry is usable.
+const MOST_READ: u64 = 64 * 1024 * 1024;
+
+/// What a log has. As JSON it is what scripts read, so its names are part of the interface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Inspection {
+    /// The log.
+    #[serde(serialize_with = "lossy")]
+    pub input: PathBuf,
+    /// Its length in bytes.
+    pub bytes: u64,
+    /// How many messages it has.
+    pub messages: u64,
+    /// How many topics have messages.
+    pub topics: usize,
+    /// Log times of its first and last message, nanoseconds; absent where it has none.
+    pub times: Option<[u64; 2]>,
+    /// Whether all of it had to be read, because it has no summary that accounts for everything.
+    pub scanned: bool,
+    /// The telemetry, if `enrich` would find it.
+    pub telemetry: Option<Telemetry>,
+    /// Why `enrich` would fail, if it would.
+    pub problem: Option<String>,
+    /// The topics that are not telemetry, by kind.
+    pub other_topics: Vec<TopicGroup>,
+}
+
+/// What would be used.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Telemetry {
+    /// How the log names it.
+    pub profile: String,
+    /// Why this profile.
+    pub reason: String,
+    /// The prefix of the vehicle's topics; empty where they have none.
+    pub namespace: String,
+    /// The other profiles that were tried, those that fit first.
+    pub runners_up: Vec<RunnerUp>,
+    /// How the camera hangs; absent where that has to be told.
+    pub camera: Option<CameraReport>,
+    /// Where each kind of sample comes from, or why there is none.
+    pub roles: BTreeMap<Kind, Role>,
+    /// What `enrich` would write.
+    pub would_write: Vec<Planned>,
+}
+
+/// One kind of sample.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Role {
+    /// There are messages with it.
+    Found(Box<FoundRole>),
+    /// There are none.
+    Missing {
+        /// Why.
+        missing: String,
+    },
+}
+
+/// The messages that one kind of sample is read from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FoundRole {
+    /// Their topic.
+    pub topic: String,
+    /// The fields that are read.
+    pub fields: Vec<String>,
+    /// How they are encoded.
+    pub encoding: String,
+    /// Their type.
+    pub schema: String,
+    /// How many there are.
+    pub messages: u64,
+    /// Log times of the first and the last, nanoseconds.
+    pub times: [u64; 2],
+    /// Messages per second between these; absent for a single moment.
+    pub rate_hz: Option<f64>,
+    /// The longest time between two, seconds; absent for a single message.
+    pub largest_gap_s: Option<f64>,
+    /// How many of them were read to learn whether they are usable: all, or an even sample of a long log.
+    pub read: u64,
+    /// How many of those were usable, and how many were not, for which reason.
+    #[serde(flatten)]
+    pub tally: Tally,
+    /// The first usable one that was read, in words.
+    pub first: Option<String>,
+}
+
+impl FoundRole {
+    /// How many of the messages can be usable.
+    fn usable_at_most(&self) -> u64 {
+        self.messages - (self.read - self.tally.used)
+    }
+
+    /// The share of the messages that were read and are not usable, 0 to 1.
+    pub fn share_invalid(&self) -> f64 {
+        match self.read {
+            0 => 0.0,
+            read => (read - self.tally.used) as f64 / read as f64,
+        }
+    }
+}
+
+/// A topic that `enrich` would write.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Planned {
+    /// Its name.
+    pub topic: &'static str,
+    /// The full name of its message type.
+    pub schema: &'static str,
+    /// How its messages would be encoded.
+    pub encoding: &'static str,
+    /// How many there can be at most.
+    pub at_most: u64,
+}
+
+/// Topics whose message types belong together.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TopicGroup {
+    /// The package of their message types, or the only type.
+    pub schemas: String,
+    /// How their messages are encoded.
+    pub encoding: String,
+    /// How many messages they have.
+    pub messages: u64,
+    /// Their names.
+    pub topics: BTreeSet<String>,
+}
+
+/// Looks at a log as [`enrich`](crate::enrich()) would with these options.
+///
+/// # Errors
+/// The log cannot be read. That its telemetry is not found is no error but what there is to tell.
+pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
+    let log = Log::open(input)?;
+    let free = provenance::check_topics_are_free(&log);
+    let found = Source::select(&log, &options.telemetry);
+    let (telemetry, problem) = match (found, free) {
+        (Ok(source), free) => (Some(describe(&log, source, options)?), free.err()),
+        (Err(error), Ok(())) if error.is_of_reading() => return Err(error),
+        (Err(error), free) => (None, Some(free.err().unwrap_or(error))),
+    };
+    let statistics = &log.contents.statistics;
+    let used = telemetry.iter().flat_map(Telemetry::topics).collect();
+    Ok(Inspection {
+        input: input.into(),
+        bytes: log.file.len(),
+        messages: statistics.message_count,
+        topics: channels(&log)
+            .map(|(channel, _)| &channel.topic)
+            .collect::<BTreeSet<_>>()
+            .len(),
+        times: (statistics.message_count > 0)
+            .then_some([statistics.message_start_time, statistics.message_end_time]),
+        scanned: log.scanned.is_some(),
+        other_topics: group_topics(&log, &used),
+        telemetry,
+        problem: problem.map(|error| error.to_string()),
+    })
+}
+
+impl Telemetry {
+    fn topics(&self) -> impl Iterator<Item = &str> {
+        self.roles.values().filter_map(|role| match role {
+            Role::Found(found) => Some(found.topic.as_str()),
+            Role::Missing { .. } => None,
+        })
+    }
+}
+
+/// The channels that have messages, and how many.
+fn channels(log: &Log) -> impl Iterator<Item = (&Channel, u64)> {
+    let counts = &log.contents.statistics.channel_message_counts;
+    let channels = log.contents.definitions.channels.values();
+    channels.filter_map(|channel| {
+        let count = *counts.get(&channel.record.id)?;
+        (count > 0).then_some((&channel.record, count))
+    })
+}
+
+fn group_topics(log: &Log, used: &BTreeSet<&str>) -> Vec<TopicGroup> {
+    let mut groups: BTreeMap<(String, String), TopicGroup> = BTreeMap::new();
+    for (channel, count) in
+        channels(log).filter(|(channel, _)| !used.contains(channel.topic.as_str()))
+    {
+        let name = log
+            .contents
+            .schema_of(channel)
+            .map_or("", |schema| schema.name.as_str());
+        let package = name
+            .split_once(['.', '/'])
+            .map_or(name, |(package, _)| package);
+        let key = (package.to_owned(), channel.message_encoding.clone());
+        let group = groups
+            .entry(key)
+            .or_insert_with_key(|(schemas, encoding)| TopicGroup {
+                schemas: schemas.clone(),
+                encoding: encoding.clone(),
+                messages: 0,
+                topics: BTreeSet::new(),
+            });
+        group.messages += count;
+        group.topics.insert(channel.topic.clone());
+    }
+    groups.into_values().collect()
+}
+
+fn describe(log: &Log, mut source: Source, options: &Options) -> Result<Telemetry, Error> {
+    let sampled = Sampled::read(log, &mut source)?;
+    let times = log.message_times(&source.channel_ids())?;
+    let mut roles = BTreeMap::new();
+    for (&kind, role) in &source.roles {
+        let role = match role {
+            Err(reason) => Role::Missing {
+                missing: reason.clone(),
+            },
+            Ok(role) => {
+                let of_topic = || channels(log).filter(|(channel, _)| channel.topic == role.topic);
+                let mut logged: Vec<u64> = of_topic()
+                    .flat_map(|(channel, _)| times.get(&channel.id).cloned().unwrap_or_default())
+                    .collect();
+                logged.sort_unstable();
+                let (channel, _) = of_topic().next().expect("a role has a channel");
+                let schema = log.contents.schema_of(channel);
+                let first_and_last =
+                    [logged.first(), logged.last()].map(|time| *time.unwrap_or(&0));
+                let seconds = (first_and_last[1] - first_and_last[0]) as f64 / 1e9;
+                let gaps = logged.windows(2).map(|pair| pair[1] - pair[0]);
+                let tally = sampled.tallies[kind].clone();
+                Role::Found(Box::new(FoundRole {
+                    topic: role.topic.clone(),
+                    fields: role.fields.iter().map(ToString::to_string).collect(),
+                    encoding: channel.message_encoding.clone(),
+                    schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
+                    messages: logged.len() as u64,
+                    times: first_and_last,
+                    rate_hz: (seconds > 0.0).then(|| (logged.len() - 1) as f64 / seconds),
+                    largest_gap_s: gaps.max().map(|gap| gap as f64 / 1e9),
+                    read: tally.total(),
+                    tally,
+                    first: sampled.first.get(&kind).map(say),
+                }))
+            }
+        };
+        roles.insert(kind, role);
+    }
+    let attitude = source.attitude();
+    let telemetry_channel = source.attitude_channel(log);
+    let encoding = Format::choose(options.encoding, telemetry_channel).encoding;
+    let usable = |kind: Kind| match &roles[&kind] {
+        Role::Found(found) => found.usable_at_most(),
+        Role::Missing { .. } => 0,
+    };
+    let planned = Quantity::ALL.map(|quantity| Planned {
+        topic: quantity.topic(),
+        schema: encoding.schema(quantity).name,
+        encoding: encoding.message_encoding(),
+        at_most: match quantity {
+            Quantity::RelativeRpy => usable(Kind::Attitude).saturating_sub(1),
+            Quantity::CameraVelocity => usable(Kind::Velocity),
+        },
+    });
+    Ok(Telemetry {
+        reason: attitude.reason(),
+        profile: source.profile.name.clone(),
+        namespace: source.namespace.clone(),
+        camera: options
+            .camera(&source)
+            .ok()
+            .map(|camera: Camera| camera.into()),
+        runners_up: source.runners_up.clone(),
+        would_write: planned
+            .into_iter()
+            .filter(|planned| planned.at_most > 0)
+            .collect(),
+        roles,
+    })
+}
+
+/// What was learnt from some of the telemetry's messages.
+struct Sampled {
+    tallies: Tallies,
+    /// The earliest usable sample of each kind.
+    first: BTreeMap<Kind, Sample>,
+}
+
+impl Sampled {
+    /// Reads segments with telemetry: all, or where they are too long, some that lie evenly among them.
+    fn read(log: &Log, source: &mut Source) -> Result<Self, Error> {
+        let wanted = source.channel_ids();
+        let segments: Vec<&Segment> = (log.contents.segments.iter())
+            .filter(|segment| segment.message_counts.keys().any(|id| wanted.contains(id)))
+            .collect();
+        let length: u64 = segments.iter().map(|segment| segment.length).sum();
+        let step = length.div_ceil(MOST_READ).max(1) as usize;
+        let mut reader = SegmentReader::new(log);
+        let mut sampled = Self {
+            tallies: Tallies::default(),
+            first: BTreeMap::new(),
+        };
+        for segment in segments.into_iter().step_by(step) {
+            for message in reader.read(segment)? {
+                let (_, message) = message?;
+                source.read(&message, |kind, sample| match sample {
+                    Ok(sample) => {
+                        sampled.tallies[kind].used += 1;
+                        let first = sampled.first.entry(kind).or_insert(sample);
+                        if sample.stamp().log_time < first.stamp().log_time {
+                            *first = sample;
+                        }
+                    }
+                    Err(reason) => sampled.tallies[kind].count_dropped(reason, 1),
+                });
+            }
+        }
+        Ok(sampled)
+    }
+}
+
+/// A sample in words, in the units that people think in.
+fn say(sample: &Sample) -> String {
+    let degrees = |q: &nalgebra::UnitQuaternion<f64>| {
+        let (roll, pitch, yaw) = q.euler_angles();
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_degrees);
+        format!("roll {roll:.1}°, pitch {pitch:.1}°, yaw {yaw:.1}°")
+    };
+    match sample {
+        Sample::Attitude(sample) => degrees(&sample.orientation),
+        Sample::Gimbal(sample) => format!(
+            "{} from the {}",
+            degrees(&sample.orientation),
+            sample.reference.describe()
+        ),
+        Sample::Velocity(sample) => match sample.velocity {
+            Velocity::Ned(v) => format!("north {:.2}, east {:.2}, down {:.2} m/s", v.x, v.y, v.z),
+            Velocity::Frd(v) => format!("front {:.2}, right {:.2}, down {:.2} m/s", v.x, v.y, v.z),
+        },
+        Sample::Position(sample) => match sample.position {
+            Position::Geodetic {
+                latitude,
+                longitude,
+                altitude,
+            } => format!("{latitude:.6}° N, {longitude:.6}° E, {altitude:.1} m"),
+            Position::Local(p) => format!("north {:.1}, east {:.1}, down {:.1} m", p.x, p.y, p.z),
+        },
+    }
+}
