@@ -159,7 +159,7 @@ pub struct TopicGroup {
 pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
     let log = Log::open(input)?;
     let free = provenance::check_topics_are_free(&log);
-    let found = Source::select(&log, &options.telemetry);
+    let found = Source::compare(&log, &options.telemetry);
     let (telemetry, problem) = match (found, free) {
         (Ok(source), free) => (Some(describe(&log, source, options)?), free.err()),
         (Err(error), Ok(())) if error.is_of_reading() => return Err(error),

@@ -4,6 +4,8 @@ pub mod path;
 pub mod profile;
 pub mod request;
 
+mod alternative;
+mod binder;
 mod binding;
 mod channel;
 mod examples;

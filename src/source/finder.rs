@@ -1,15 +1,14 @@
 //! Looking for a profile's telemetry in a log.
 
-use std::{
-    cell::OnceCell,
-    collections::{BTreeMap, BTreeSet},
-};
+use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::Channel;
 
 use super::{
     RoleSource,
-    binding::{Alternative, Binder, Role},
+    alternative::Alternative,
+    binder::Binder,
+    binding::Role,
     channel::ChannelSource,
     examples::Examples,
     path::FieldPath,
@@ -56,13 +55,13 @@ pub fn specificity(profile: &Profile) -> Specificity {
     }
 }
 
-/// Looks for what profiles name in one log. Each schema is read at most once, and only if it is needed.
+/// Looks for what profiles name in one log. Schemas are read when they are needed and not kept: those of some
+/// logs each hold the definitions of all topics.
 pub struct Finder<'a> {
     log: &'a Log,
     examples: &'a Examples<'a>,
     /// The channels that have messages, by topic.
     topics: BTreeMap<&'a str, Vec<&'a Channel>>,
-    schemas: BTreeMap<u16, OnceCell<Result<Schema<'a>, String>>>,
     /// The only namespace in which to look.
     namespace: Option<&'a str>,
     /// What the user has told where to find.
@@ -79,9 +78,6 @@ impl<'a> Finder<'a> {
         Self {
             log,
             examples,
-            schemas: channels_with_messages(log)
-                .map(|channel| (channel.id, OnceCell::new()))
-                .collect(),
             topics,
             namespace: request.namespace.as_deref(),
             required: request.told_roles(),
@@ -313,46 +309,57 @@ impl<'a> Finder<'a> {
     ) -> Result<Vec<FieldPath>, Unresolved> {
         let mut fields = Vec::new();
         for channel in &self.topics[topic] {
-            let mut binder = Binder::new(self.schema(channel)?);
-            fields = self
-                .bind_channel::<A>(&mut binder, profile, namespace, channel, own)?
+            let alternatives = self.alternatives::<A>(profile, namespace, channel, own)?;
+            let schema = self.schema(channel)?;
+            fields = Binder::new(&schema)
+                .bind_role(profile, &alternatives)?
                 .fields;
         }
         Ok(fields)
     }
 
-    fn bind_channel<A: Alternative>(
+    /// The alternatives of a role that are meant for a channel.
+    fn alternatives<'p, A: Alternative>(
         &self,
-        binder: &mut Binder,
-        profile: &Profile,
+        profile: &'p Profile,
         namespace: &str,
         channel: &Channel,
         own: Option<&str>,
-    ) -> Result<Role, Unresolved> {
+    ) -> Result<Vec<&'p A>, Unresolved> {
         let topic = channel.topic.as_str();
-        let at_topic = |place: &Place| match place.topics.as_slice() {
+        let is_at_topic = |place: &Place| match place.topics.as_slice() {
             [] => own == Some(topic),
             topics => (topics.iter()).any(|text| Pattern::new(namespace, text).is_match(topic)),
         };
         let schema = self.log.contents.schema_of(channel);
         let name = schema.map_or("", |schema| schema.name.as_str());
         let plain = |name: &str| name.replace("/msg/", "/");
-        let of_type = |place: &Place| {
+        let is_of_type = |place: &Place| {
             let schemas = &place.schemas;
             schemas.is_empty() || schemas.iter().any(|wanted| plain(wanted) == plain(name))
         };
-        let there = A::of(profile)
-            .iter()
-            .filter(|source| at_topic(source.place()));
-        let (fitting, other): (Vec<&A>, Vec<&A>) =
-            there.partition(|source| of_type(source.place()));
-        match other.first() {
+        let (fitting, others): (Vec<&A>, Vec<&A>) = (A::of(profile).iter())
+            .filter(|source| is_at_topic(source.place()))
+            .partition(|source| is_of_type(source.place()));
+        match others.first() {
             Some(other) if fitting.is_empty() => Err(Unresolved::OtherType {
                 name: name.to_owned(),
                 wanted: other.place().schemas.clone(),
             }),
-            _ => binder.bind_role(profile, &fitting),
+            _ => Ok(fitting),
         }
+    }
+
+    fn bind_into<A: Alternative>(
+        &self,
+        binder: &mut Binder,
+        profile: &Profile,
+        fit: &Fit,
+        channel: &Channel,
+    ) -> Result<Role, Unresolved> {
+        let own = Some(fit.attitude.topic.as_str());
+        let alternatives = self.alternatives::<A>(profile, &fit.namespace, channel, own)?;
+        binder.bind_role(profile, &alternatives)
     }
 
     /// How to read each channel of a fit's topics.
@@ -361,38 +368,17 @@ impl<'a> Finder<'a> {
         profile: &Profile,
         fit: &Fit,
     ) -> Result<BTreeMap<u16, ChannelSource>, Error> {
-        let own = Some(fit.attitude.topic.as_str());
-        let others = fit
-            .others
-            .iter()
-            .filter_map(|(&kind, role)| Some((kind, role.as_ref().ok()?)));
+        let others =
+            (fit.others.iter()).filter_map(|(&kind, role)| Some((kind, role.as_ref().ok()?)));
         let roles: Vec<(Kind, &RoleSource)> =
             others.chain([(Kind::Attitude, &fit.attitude)]).collect();
         let topics: BTreeSet<&str> = roles.iter().map(|(_, role)| role.topic.as_str()).collect();
         let mut channels = BTreeMap::new();
         for channel in topics.iter().flat_map(|topic| &self.topics[topic]) {
-            let source = self.schema(channel).and_then(|schema| {
-                let mut binder = Binder::new(schema);
-                let mut bound = Vec::new();
-                for (kind, _) in roles.iter().filter(|(_, role)| role.topic == channel.topic) {
-                    let namespace = &fit.namespace;
-                    let binder = &mut binder;
-                    bound.push(match kind {
-                        Kind::Attitude => self.bind_channel::<AttitudeSource>(
-                            binder, profile, namespace, channel, own,
-                        ),
-                        Kind::Velocity => self.bind_channel::<VelocitySource>(
-                            binder, profile, namespace, channel, own,
-                        ),
-                        Kind::Gimbal => self
-                            .bind_channel::<GimbalSource>(binder, profile, namespace, channel, own),
-                        Kind::Position => self.bind_channel::<PositionSource>(
-                            binder, profile, namespace, channel, own,
-                        ),
-                    }?);
-                }
-                ChannelSource::new(schema, &binder.wanted, bound)
-            });
+            let kinds = (roles.iter())
+                .filter(|(_, role)| role.topic == channel.topic)
+                .map(|&(kind, _)| kind);
+            let source = self.channel_source(profile, fit, channel, kinds);
             channels.insert(
                 channel.id,
                 source.map_err(|unresolved| match unresolved {
@@ -408,17 +394,30 @@ impl<'a> Finder<'a> {
         Ok(channels)
     }
 
-    fn schema(&self, channel: &Channel) -> Result<&Schema<'a>, Unresolved> {
-        let read = || {
-            Schema::of(self.log, self.examples, channel)
-                .map_err(|unresolved| unresolved.to_string())
-        };
-        self.schemas[&channel.id]
-            .get_or_init(read)
-            .as_ref()
-            .map_err(|problem| Unresolved::Schema {
-                problem: problem.clone(),
-            })
+    fn channel_source(
+        &self,
+        profile: &Profile,
+        fit: &Fit,
+        channel: &Channel,
+        kinds: impl Iterator<Item = Kind>,
+    ) -> Result<ChannelSource, Unresolved> {
+        let schema = self.schema(channel)?;
+        let mut binder = Binder::new(&schema);
+        let mut roles = Vec::new();
+        for kind in kinds {
+            let binder = &mut binder;
+            roles.push(match kind {
+                Kind::Attitude => self.bind_into::<AttitudeSource>(binder, profile, fit, channel),
+                Kind::Velocity => self.bind_into::<VelocitySource>(binder, profile, fit, channel),
+                Kind::Gimbal => self.bind_into::<GimbalSource>(binder, profile, fit, channel),
+                Kind::Position => self.bind_into::<PositionSource>(binder, profile, fit, channel),
+            }?);
+        }
+        ChannelSource::new(&schema, &binder.wanted, roles)
+    }
+
+    fn schema(&self, channel: &Channel) -> Result<Schema<'a>, Unresolved> {
+        Schema::of(self.log, self.examples, channel)
     }
 }
 

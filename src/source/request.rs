@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::de::{DeserializeOwned, IntoDeserializer, value::Error as NotOneOf};
 
 use super::{
-    binding::Alternative,
+    alternative::Alternative,
     path::{FieldPath, MessagePath},
     profile::{
         AttitudeSource, Components, Coordinates, Euler, GimbalOrientation, GimbalSource,

@@ -30,6 +30,14 @@ impl Fit {
     }
 }
 
+/// Which profiles are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Thoroughness {
+    /// Until none that is left could fit better.
+    UntilFound,
+    All,
+}
+
 impl Source {
     /// Finds the telemetry of a log.
     ///
@@ -37,6 +45,18 @@ impl Source {
     /// The profile does not fit the log, or none does, or several fit equally well. The message says what was
     /// looked for and how to choose.
     pub fn select(log: &Log, request: &Request) -> Result<Self, Error> {
+        Self::find(log, request, Thoroughness::UntilFound)
+    }
+
+    /// As [`select`](Self::select), trying every profile, so that all runners-up are known.
+    ///
+    /// # Errors
+    /// Those of [`select`](Self::select).
+    pub fn compare(log: &Log, request: &Request) -> Result<Self, Error> {
+        Self::find(log, request, Thoroughness::All)
+    }
+
+    fn find(log: &Log, request: &Request, thoroughness: Thoroughness) -> Result<Self, Error> {
         let path = || log.file.path().to_owned();
         let examples = Examples::new(log);
         let finder = Finder::new(log, &examples, request);
@@ -47,6 +67,14 @@ impl Source {
         let mut fits: Vec<(&Profile, Fit)> = Vec::new();
         let mut misfits: Vec<RunnerUp> = Vec::new();
         for profile in &profiles {
+            let best = fits.iter().map(|(profile, fit)| fit.rank(profile)).max();
+            let could_be_best = Rank {
+                has_velocity: true,
+                specificity: specificity(profile),
+            };
+            if thoroughness == Thoroughness::UntilFound && best > Some(could_be_best) {
+                break;
+            }
             match finder.fit(profile)? {
                 Ok(found) => fits.extend(found.into_iter().map(|fit| (profile, fit))),
                 Err(reason) => misfits.push(RunnerUp {

@@ -1,0 +1,196 @@
+//! The alternatives that a profile lists for each role, as one thing.
+
+use super::{
+    binder::Binder,
+    binding::{BoundOrientation, Quantity},
+    path::FieldPath,
+    profile::{
+        AttitudeSource, Coordinates, GimbalOrientation, GimbalSource, Orientation, Place,
+        PositionSource, Profile, VelocitySource,
+    },
+    schema::Unresolved,
+};
+use crate::sample::Kind;
+
+/// One of the alternatives that a profile lists for a role.
+pub trait Alternative {
+    const KIND: Kind;
+
+    /// The alternatives of a profile.
+    fn of(profile: &Profile) -> &[Self]
+    where
+        Self: Sized;
+
+    /// Which messages it reads.
+    fn place(&self) -> &Place;
+
+    /// Which messages it reads.
+    fn place_mut(&mut self) -> &mut Place;
+
+    /// The fields that it makes a sample of.
+    fn fields(&self) -> Vec<&FieldPath>;
+
+    /// Resolves what it makes a sample of.
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved>;
+}
+
+impl Alternative for AttitudeSource {
+    const KIND: Kind = Kind::Attitude;
+
+    fn of(profile: &Profile) -> &[Self] {
+        &profile.attitude
+    }
+
+    fn place(&self) -> &Place {
+        &self.place
+    }
+
+    fn place_mut(&mut self) -> &mut Place {
+        &mut self.place
+    }
+
+    fn fields(&self) -> Vec<&FieldPath> {
+        match &self.orientation {
+            Orientation::Quaternion(quaternion) => quaternion.fields.paths(),
+            Orientation::Euler(euler) => euler.paths(),
+        }
+    }
+
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+        let orientation = match &self.orientation {
+            Orientation::Quaternion(quaternion) => binder.quaternion(quaternion)?,
+            Orientation::Euler(euler) => binder.euler(euler)?,
+        };
+        let reset_counter = match &self.reset_counter {
+            None => None,
+            Some(counter) if counter.optional && !binder.has(&counter.field) => None,
+            Some(counter) => Some(binder.number(&counter.field)?),
+        };
+        Ok(Quantity::Attitude {
+            orientation,
+            convention: self.convention,
+            reset_counter,
+        })
+    }
+}
+
+impl Alternative for VelocitySource {
+    const KIND: Kind = Kind::Velocity;
+
+    fn of(profile: &Profile) -> &[Self] {
+        &profile.velocity
+    }
+
+    fn place(&self) -> &Place {
+        &self.place
+    }
+
+    fn place_mut(&mut self) -> &mut Place {
+        &mut self.place
+    }
+
+    fn fields(&self) -> Vec<&FieldPath> {
+        self.vector.paths()
+    }
+
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+        Ok(Quantity::Velocity {
+            vector: binder.components(&self.vector, ["x", "y", "z"])?,
+            frame: self.frame,
+            unit: self.unit,
+        })
+    }
+}
+
+impl Alternative for GimbalSource {
+    const KIND: Kind = Kind::Gimbal;
+
+    fn of(profile: &Profile) -> &[Self] {
+        &profile.gimbal
+    }
+
+    fn place(&self) -> &Place {
+        &self.place
+    }
+
+    fn place_mut(&mut self) -> &mut Place {
+        &mut self.place
+    }
+
+    fn fields(&self) -> Vec<&FieldPath> {
+        match &self.orientation {
+            GimbalOrientation::Quaternion(quaternion) => quaternion.fields.paths(),
+            GimbalOrientation::Euler(euler) => euler.paths(),
+            GimbalOrientation::Pitch(pitch) => vec![&pitch.field],
+        }
+    }
+
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+        Ok(Quantity::Gimbal {
+            orientation: match &self.orientation {
+                GimbalOrientation::Quaternion(quaternion) => binder.quaternion(quaternion)?,
+                GimbalOrientation::Euler(euler) => binder.euler(euler)?,
+                GimbalOrientation::Pitch(pitch) => BoundOrientation::Pitch {
+                    slot: binder.number(&pitch.field)?,
+                    unit: pitch.unit,
+                    positive: pitch.positive,
+                },
+            },
+            convention: self.convention,
+            reference: self.reference,
+        })
+    }
+}
+
+impl Alternative for PositionSource {
+    const KIND: Kind = Kind::Position;
+
+    fn of(profile: &Profile) -> &[Self] {
+        &profile.position
+    }
+
+    fn place(&self) -> &Place {
+        &self.place
+    }
+
+    fn place_mut(&mut self) -> &mut Place {
+        &mut self.place
+    }
+
+    fn fields(&self) -> Vec<&FieldPath> {
+        match &self.coordinates {
+            Coordinates::Geodetic {
+                latitude,
+                longitude,
+                altitude,
+                ..
+            } => vec![latitude, longitude, altitude],
+            Coordinates::Local { vector, .. } => vector.paths(),
+        }
+    }
+
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+        Ok(match &self.coordinates {
+            Coordinates::Geodetic {
+                latitude,
+                longitude,
+                altitude,
+                unit,
+                altitude_unit,
+            } => Quantity::Geodetic {
+                latitude_longitude_altitude: binder.each([latitude, longitude, altitude])?,
+                unit: *unit,
+                altitude_unit: *altitude_unit,
+            },
+            Coordinates::Local {
+                vector,
+                frame,
+                unit,
+            } => Quantity::Local {
+                vector: binder.components(vector, ["x", "y", "z"])?,
+                frame: *frame,
+                unit: *unit,
+            },
+        })
+    }
+}
