@@ -26,12 +26,13 @@
 //! | [`derived`] | what flows from transform to writer | geometry, sample |
 //! | [`transform`] | samples → derived values, a state machine without I/O | the four above |
 //! | [`log`] | the MCAP container: what a log holds, where its bytes lie | nobody |
-//! | [`source`] | how a log says it: profiles, fields, protobuf and JSON decoders | log, sample, geometry |
+//! | [`source`] | how a log says it: profiles, fields, and decoders for protobuf, JSON, ROS 2 and ROS 1 | log, sample, geometry |
 //! | [`reader`] | log + source → samples in time order | log, source, sample |
 //! | [`messages`] | how derived values are said in protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
 //! | [`writer`] | derived values → channels appended to a log; destinations | log, derived, messages |
 //! | [`mod@enrich`] | the pipeline | all of the above |
-//! | [`options`] | what the user decides about a run | geometry, source, transform, messages |
+//! | [`mod@inspect`] | what a log has and what would come of it | log, source, options, report |
+//! | [`options`] | what the user decides about a run | camera, source, transform, messages |
 //! | [`report`] | what a run found and did | what it reports on |
 //! | [`error`] | what can go wrong, said so that the user knows what to do | |
 //!
@@ -68,6 +69,8 @@ pub mod writer;
 pub use enrich::{Progress, enrich};
 #[doc(inline)]
 pub use error::Error;
+#[doc(inline)]
+pub use inspect::inspect;
 #[doc(inline)]
 pub use options::Options;
 #[doc(inline)]
