@@ -2,213 +2,19 @@
 //!
 //! Each run is checked for more than its own test asks: see [`Folder::refuses`] and [`Folder::writes`].
 
-use std::{
-    collections::BTreeMap,
-    f64::consts::PI,
-    fs,
-    io::Cursor,
-    path::{Path, PathBuf},
-    time::SystemTime,
-};
+mod common;
 
-use assert_cmd::cargo::cargo_bin_cmd;
-use mcap::{MessageStream, records::MessageHeader};
+use std::{collections::BTreeMap, f64::consts::PI, fs, path::Path};
+
+use common::{folder::*, topics::*};
+use mcap::MessageStream;
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
 const FIXTURE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/survey_flight.mcap");
-
-/// The log in most tests, and where its result goes unless told otherwise.
-const LOG: &str = "flight.mcap";
-const RESULT: &str = "flight.enriched.mcap";
 
 /// The arguments for [`LOG`], and more.
 fn enrich(more: &str) -> String {
     format!("enrich {LOG} --depression 30 {more}")
-}
-
-/// A folder in which the program is run, and which shows what it left there.
-struct Folder(TempDir);
-
-/// A file's time of modification, length and checksum; nothing for a folder.
-type Fingerprint = Option<(SystemTime, u64, u32)>;
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn with(name: &str, content: impl AsRef<[u8]>) -> Self {
-        let folder = Self::new();
-        folder.add(name, content);
-        folder
-    }
-
-    /// With the demonstration flight as [`LOG`].
-    fn with_flight() -> Self {
-        Self::with(LOG, fs::read(FIXTURE).unwrap())
-    }
-
-    fn add(&self, name: &str, content: impl AsRef<[u8]>) {
-        let path = self.path(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn read(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).unwrap()
-    }
-
-    /// Everything in the folder and below, hidden files too.
-    fn contents(&self) -> BTreeMap<PathBuf, Fingerprint> {
-        let mut contents = BTreeMap::new();
-        let mut folders = vec![self.0.path().to_owned()];
-        while let Some(folder) = folders.pop() {
-            for entry in fs::read_dir(folder).unwrap() {
-                let path = entry.unwrap().path();
-                let metadata = fs::metadata(&path).unwrap();
-                if metadata.is_dir() {
-                    folders.push(path.clone());
-                    contents.insert(path, None);
-                } else {
-                    let checksum = crc32fast::hash(&fs::read(&path).unwrap());
-                    let modified = metadata.modified().unwrap();
-                    contents.insert(path, Some((modified, metadata.len(), checksum)));
-                }
-            }
-        }
-        contents
-    }
-
-    /// Runs the program with arguments separated by spaces, and expects an exit code. Gives standard output and
-    /// standard error.
-    #[track_caller]
-    fn run(&self, arguments: &str, code: i32) -> (String, String) {
-        let mut command = cargo_bin_cmd!("flightcam");
-        command.args(arguments.split_whitespace());
-        command.current_dir(&self.0).env_remove("CLICOLOR_FORCE");
-        let output = command.output().unwrap();
-        let out = String::from_utf8(output.stdout).unwrap();
-        let err = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(code), "{arguments}\n{out}{err}");
-        (out, err)
-    }
-
-    /// Runs the program, which must refuse: with this exit code and this message on standard error, nothing on
-    /// standard output, and the folder as it was to the last byte.
-    #[track_caller]
-    fn refuses(&self, arguments: &str, code: i32, message: &str) {
-        let before = self.contents();
-        let (out, err) = self.run(arguments, code);
-        assert!(err.starts_with("error: "), "{err}");
-        assert_reads(&err, message);
-        assert_eq!(out, "", "standard output of `{arguments}`");
-        assert_eq!(self.contents(), before, "the folder after `{arguments}`");
-    }
-
-    /// Runs the program, which must write a result: with this exit code, nothing on standard error, nothing on
-    /// standard output that is meant for a terminal, and all other files as they were. Gives what it printed.
-    #[track_caller]
-    fn writes(&self, result: &str, arguments: &str, code: i32) -> String {
-        let mut before = self.contents();
-        let (out, err) = self.run(arguments, code);
-        // Where the report is not for people, what they must know goes to standard error.
-        let warns = code == 3 && (arguments.contains("--json") || arguments.contains("--quiet"));
-        assert_eq!(
-            !err.is_empty(),
-            warns,
-            "standard error of `{arguments}`: {err}"
-        );
-        assert!(
-            err.lines()
-                .all(|line| line.starts_with("warning: flight.mcap: "))
-        );
-        assert!(!out.contains(['\x1b', '\r']), "{out:?}");
-
-        let mut after = self.contents();
-        let old = before.remove(&self.path(result)).flatten();
-        let new = after.remove(&self.path(result)).flatten();
-        assert!(new.is_some() && new != old, "`{arguments}`: no {result}");
-        assert_eq!(after, before, "the folder after `{arguments}`");
-        out
-    }
-
-    /// As [`writes`](Self::writes) to [`RESULT`], with the report in JSON.
-    #[track_caller]
-    fn reports(&self, arguments: &str, code: i32) -> Value {
-        let json = self.writes(RESULT, &format!("{arguments} --json"), code);
-        serde_json::from_str(&json).expect("standard output is one JSON document")
-    }
-}
-
-/// Checks that a text has all parts of an abridged one, in which `…` stands for anything.
-#[track_caller]
-fn assert_reads(text: &str, abridged: &str) {
-    let mut rest = text;
-    for part in abridged.split('…').map(str::trim) {
-        let Some((_, behind)) = rest.split_once(part) else {
-            panic!("`{part}` of `{abridged}` is not where it should be in:\n{text}");
-        };
-        rest = behind;
-    }
-}
-
-/// A topic of a log that a test writes, with a message every 20 ms.
-struct Topic {
-    name: &'static str,
-    encoding: &'static str,
-    /// Its encoding and its text.
-    schema: Option<(&'static str, String)>,
-    messages: Vec<String>,
-}
-
-/// In JSON without a schema.
-fn topic(name: &'static str, messages: impl IntoIterator<Item = Value>) -> Topic {
-    Topic {
-        name,
-        encoding: "json",
-        schema: None,
-        messages: messages.into_iter().map(|m| m.to_string()).collect(),
-    }
-}
-
-fn log(topics: &[Topic]) -> Vec<u8> {
-    let mut writer = mcap::Writer::new(Cursor::new(Vec::new())).unwrap();
-    for topic in topics {
-        let schema_id = topic.schema.as_ref().map_or(0, |(encoding, data)| {
-            let data = data.as_bytes();
-            writer.add_schema("State", encoding, data).unwrap()
-        });
-        let channel_id = writer
-            .add_channel(schema_id, topic.name, topic.encoding, &BTreeMap::new())
-            .unwrap();
-        for (sequence, message) in (0..).zip(&topic.messages) {
-            let time = 1_000_000_000 + 20_000_000 * u64::from(sequence);
-            let header = MessageHeader {
-                channel_id,
-                sequence,
-                log_time: time,
-                publish_time: time,
-            };
-            let written = writer.write_to_known_channel(&header, message.as_bytes());
-            written.unwrap();
-        }
-    }
-    writer.finish().unwrap();
-    writer.into_inner().into_inner()
-}
-
-/// Readings of a drone that turns as it flies. A unit of its angles is so many radians.
-fn states(count: i32, unit: f64) -> impl Iterator<Item = Value> {
-    (0..count).map(move |i| {
-        let t = f64::from(i) * 0.02;
-        let [roll, pitch, yaw] = [0.2 * t.sin(), -0.1 * t.cos(), 0.9 * t].map(|a| a / unit);
-        json!({ "roll": roll, "pitch": pitch, "yaw": yaw, "vx": 3.0 + t, "vy": -1.0, "vz": 0.2 })
-    })
 }
 
 /// Readings that lack a number.
@@ -337,14 +143,11 @@ fn of_topics_that_fit_equally_well_the_user_chooses() {
 fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
     let flight = || fs::read(FIXTURE).unwrap();
     let schema = json!({ "type": "object", "properties": { "roll_deg": {} } });
-    let listed = Topic {
-        schema: Some(("jsonschema", schema.to_string())),
-        ..topic("/drone/state", states(5, 1.0))
-    };
+    let state = topic("/drone/state", states(5, 1.0));
+    let listed = (state.clone()).with_schema("State", "jsonschema", schema.to_string());
     let foreign = Topic {
         encoding: "flatbuffer",
-        schema: Some(("flatbuffer", "table State {}".to_owned())),
-        ..topic("/drone/state", states(5, 1.0))
+        ..state.with_schema("State", "flatbuffer", "table State {}")
     };
     let elsewhere = topic("/drone/status", states(5, 1.0));
     let cases = [

@@ -58,6 +58,7 @@ impl<'a> Binder<'a> {
         };
         let mut nearest: Option<(f64, Unresolved)> = None;
         for &alternative in alternatives {
+            let already_wanted = self.wanted.len();
             match self.bind_reading(profile, alternative) {
                 Ok(reading) => {
                     if role.readings.is_empty() {
@@ -71,6 +72,9 @@ impl<'a> Binder<'a> {
                 }
                 Err(unreadable @ Unresolved::Unreadable(_)) => return Err(unreadable),
                 Err(unresolved) => {
+                    // What it found before it failed must not trouble the next one.
+                    self.wanted.truncate(already_wanted);
+                    self.lacking = None;
                     let share = unresolved.lacks() as f64 / alternative.fields().len() as f64;
                     if nearest.as_ref().is_none_or(|(least, _)| share < *least) {
                         nearest = Some((share, unresolved));

@@ -60,7 +60,8 @@ impl FromStr for FieldPath {
         let steps = parse_steps(text).ok_or_else(|| NotAPath {
             text: text.to_owned(),
             wanted: "the path of a field: write names joined by dots, and the place in a list, \
-                     counted from 0, in brackets, as in `velocity.x` or `q[0]`",
+                     counted from 0, in brackets, as in `velocity.x` or `q[0]` (slices and filters \
+                     are not supported)",
         })?;
         Ok(Self { steps })
     }
@@ -77,7 +78,9 @@ fn parse_steps(text: &str) -> Option<Vec<Step>> {
         if !indexes.is_empty() {
             let inner = indexes.strip_prefix('[')?.strip_suffix(']')?;
             for index in inner.split("][") {
-                steps.push(Step::Index(index.parse().ok()?));
+                // Not all that parses as a number is written as one: `+1` does.
+                let is_plain = index.bytes().all(|byte| byte.is_ascii_digit());
+                steps.push(Step::Index(index.parse().ok().filter(|_| is_plain)?));
             }
         }
     }
@@ -91,16 +94,17 @@ impl FromStr for MessagePath {
         let not_a_path = || NotAPath {
             text: text.to_owned(),
             wanted: "a message path: write a topic and a field, as in `/imu.orientation` or \
-                     `/gps.velocity[0]`, and put a topic that has a dot in double quotes",
+                     `/gps.velocity[0]`, and put a topic that has one of . , : [ { in double quotes",
         };
         let (topic, rest) = match text.strip_prefix('"') {
             Some(quoted) => quoted.split_once('"').ok_or_else(not_a_path)?,
-            None => text.split_at(text.find('.').unwrap_or(text.len())),
+            None => text.split_at(text.find(['.', '[', '{']).unwrap_or(text.len())),
         };
         if topic.is_empty() {
             return Err(not_a_path());
         }
         let field = match rest.strip_prefix('.') {
+            Some("") => return Err(not_a_path()),
             Some(field) => Some(field.parse()?),
             None if rest.is_empty() => None,
             None => return Err(not_a_path()),

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::path::FieldPath;
+use super::path::{FieldPath, NotAPath};
 use crate::{error::Error, sample::GimbalReference};
 use convention::{
     AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
@@ -167,7 +167,7 @@ pub enum GimbalOrientation {
 
 /// The fields of a quaternion: one that has all of it, or four in the given order.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(from = "QuaternionText")]
+#[serde(try_from = "toml::Value")]
 pub struct Quaternion {
     /// The fields.
     pub fields: Components<4>,
@@ -175,26 +175,26 @@ pub struct Quaternion {
     pub order: QuaternionOrder,
 }
 
-/// The ways to write a quaternion's fields.
+/// A quaternion's fields with their order.
 #[derive(Deserialize)]
-#[serde(untagged)]
-enum QuaternionText {
-    Ordered {
-        fields: Components<4>,
-        order: QuaternionOrder,
-    },
-    Plain(Components<4>),
+#[serde(deny_unknown_fields)]
+struct OrderedFields {
+    fields: Components<4>,
+    order: QuaternionOrder,
 }
 
-impl From<QuaternionText> for Quaternion {
-    fn from(text: QuaternionText) -> Self {
-        match text {
-            QuaternionText::Ordered { fields, order } => Self { fields, order },
-            QuaternionText::Plain(fields) => Self {
-                fields,
-                order: QuaternionOrder::default(),
-            },
+impl TryFrom<toml::Value> for Quaternion {
+    type Error = toml::de::Error;
+
+    fn try_from(text: toml::Value) -> Result<Self, Self::Error> {
+        if text.is_table() {
+            let OrderedFields { fields, order } = text.try_into()?;
+            return Ok(Self { fields, order });
         }
+        Ok(Self {
+            fields: text.try_into()?,
+            order: QuaternionOrder::default(),
+        })
     }
 }
 
@@ -268,19 +268,23 @@ pub enum Components<const N: usize> {
 
 /// The ways to write the fields of components.
 #[derive(Deserialize, Serialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "wanted a field or a list of fields")]
 enum ComponentsText {
-    Together(FieldPath),
-    Each(Vec<FieldPath>),
+    Together(String),
+    Each(Vec<String>),
 }
 
 impl<const N: usize> TryFrom<ComponentsText> for Components<N> {
     type Error = String;
 
     fn try_from(text: ComponentsText) -> Result<Self, String> {
+        let path = |text: &String| text.parse().map_err(|error: NotAPath| error.to_string());
         match text {
-            ComponentsText::Together(path) => Ok(Self::Together(path)),
-            ComponentsText::Each(paths) => Self::of(&paths),
+            ComponentsText::Together(text) => Ok(Self::Together(path(&text)?)),
+            ComponentsText::Each(texts) => {
+                let paths: Result<Vec<FieldPath>, String> = texts.iter().map(path).collect();
+                Self::of(&paths?)
+            }
         }
     }
 }
@@ -288,8 +292,8 @@ impl<const N: usize> TryFrom<ComponentsText> for Components<N> {
 impl<const N: usize> From<Components<N>> for ComponentsText {
     fn from(components: Components<N>) -> Self {
         match components {
-            Components::Together(path) => Self::Together(path),
-            Components::Each(paths) => Self::Each(paths.to_vec()),
+            Components::Together(path) => Self::Together(path.to_string()),
+            Components::Each(paths) => Self::Each(paths.map(|path| path.to_string()).to_vec()),
         }
     }
 }
@@ -330,7 +334,10 @@ impl Euler {
 
 /// A field that not every version of a schema has.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table, as in { field = \"count\" }"
+)]
 pub struct OptionalField {
     /// The field.
     pub field: FieldPath,

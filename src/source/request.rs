@@ -137,32 +137,61 @@ impl Words {
         read(&self.0.remove(place))
     }
 
-    /// Complains of what was not used.
-    fn finish(self, known: &str) -> Result<(), BadArgument> {
-        match self.0.first() {
+    /// Complains of what is not among the known words.
+    fn check(&self, known: Vocabulary) -> Result<(), BadArgument> {
+        let is_unknown = |word: &&String| !known.iter().any(|group| group.contains(&word.as_str()));
+        match self.0.iter().find(is_unknown) {
             None => Ok(()),
             Some(word) => Err(BadArgument(format!(
-                "`{word}` has no meaning here; what can stand behind a colon is {known}"
+                "`{word}` has no meaning here; what can stand behind a colon is {}",
+                in_words(known)
             ))),
         }
     }
+
+    /// Complains of what was not used.
+    fn finish(self) -> Result<(), BadArgument> {
+        match self.0.first() {
+            None => Ok(()),
+            Some(word) => Err(BadArgument(format!(
+                "`{word}` does not go with the rest of the argument"
+            ))),
+        }
+    }
+}
+
+/// The words that an argument can have; of each group one.
+type Vocabulary = &'static [&'static [&'static str]];
+
+const ANGLE_UNITS: &[&str] = &["radians", "degrees", "centidegrees"];
+const QUATERNION_ORDERS: &[&str] = &["wxyz", "xyzw"];
+const REFERENCES: &[&str] = &["earth", "heading", "airframe"];
+const CONVENTIONS: &[&str] = &["frd-ned", "flu-enu"];
+
+fn in_words(vocabulary: Vocabulary) -> String {
+    let groups = vocabulary.iter().map(|group| match group {
+        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        group => group.concat(),
+    });
+    groups.collect::<Vec<_>>().join("; ")
 }
 
 impl FromStr for Parts {
     type Err = BadArgument;
 
     fn from_str(text: &str) -> Result<Self, BadArgument> {
-        let mut words = text.split(':').map(str::to_owned);
+        let mut words = split_outside_quotes(text, ':').into_iter();
         let paths = words.next().unwrap_or_default();
         let mut topic: Option<String> = None;
         let mut fields = Vec::new();
-        for path in paths.split(',') {
+        for path in split_outside_quotes(paths, ',') {
             let path: MessagePath =
                 (path.trim().parse()).map_err(|error| BadArgument(format!("{error}")))?;
             match &topic {
                 Some(first) if *first != path.topic => {
                     return Err(BadArgument(format!(
-                        "{first} and {} are different topics; what belongs to one sample must come in one message",
+                        "{first} and {} are different topics; every path begins with its topic (/imu.roll,/imu.pitch), \
+                         and what belongs to one sample must come in one message",
                         path.topic
                     )));
                 }
@@ -173,9 +202,19 @@ impl FromStr for Parts {
         Ok(Self {
             topic: topic.unwrap_or_default(),
             fields,
-            words: Words(words.collect()),
+            words: Words(words.map(str::to_owned).collect()),
         })
     }
+}
+
+/// Topics in double quotes may have characters that have a meaning elsewhere.
+fn split_outside_quotes(text: &str, separator: char) -> Vec<&str> {
+    let mut is_quoted = false;
+    text.split(|character| {
+        is_quoted ^= character == '"';
+        character == separator && !is_quoted
+    })
+    .collect()
 }
 
 impl Parts {
@@ -188,7 +227,8 @@ impl Parts {
 
     /// The only field, or as many as there are components.
     fn components<const N: usize>(&self, what: &str) -> Result<Components<N>, BadArgument> {
-        let wrong = |problem| BadArgument(format!("{problem}: {what}"));
+        let count = self.fields.len();
+        let wrong = |_| BadArgument(format!("{count} fields were given, but {what}"));
         Components::of(&self.fields).map_err(wrong)
     }
 
@@ -217,16 +257,22 @@ impl<Source> RoleArgument<Source> {
     fn parse(
         text: &str,
         read: impl FnOnce(&mut Parts) -> Result<Source, BadArgument>,
-        known_words: &str,
+        known_words: Vocabulary,
     ) -> Result<Self, BadArgument> {
         let mut parts: Parts = text.parse()?;
+        parts.words.check(known_words)?;
         if parts.fields.is_empty() {
-            let Parts { topic, words, .. } = parts;
-            words.finish("nothing: only a topic is given")?;
-            return Ok(Self::Topic(topic));
+            return match parts.words.0.first() {
+                None => Ok(Self::Topic(parts.topic)),
+                Some(word) => Err(BadArgument(format!(
+                    "only a topic is given, of which the profile says how to read it; \
+                     name the fields that `{word}` is said of, as in {}.field:{word}",
+                    parts.topic
+                ))),
+            };
         }
         let source = read(&mut parts)?;
-        parts.words.finish(known_words)?;
+        parts.words.finish()?;
         Ok(Self::Source(source))
     }
 }
@@ -260,11 +306,7 @@ impl FromStr for RoleArgument<AttitudeSource> {
                 reset_counter: None,
             })
         };
-        Self::parse(
-            text,
-            read,
-            "radians, degrees or centidegrees; wxyz or xyzw; frd-ned or flu-enu",
-        )
+        Self::parse(text, read, &[ANGLE_UNITS, QUATERNION_ORDERS, CONVENTIONS])
     }
 }
 
@@ -290,7 +332,10 @@ impl FromStr for RoleArgument<VelocitySource> {
         Self::parse(
             text,
             read,
-            "ned, enu, body-frd or body-flu; m/s, cm/s or mm/s",
+            &[
+                &["ned", "enu", "body-frd", "body-flu"],
+                &["m/s", "cm/s", "mm/s"],
+            ],
         )
     }
 }
@@ -315,6 +360,19 @@ impl FromStr for RoleArgument<GimbalSource> {
                             .to_owned(),
                     )
                     })?)
+                }
+                ([_], None)
+                    if parts
+                        .words
+                        .0
+                        .iter()
+                        .all(|word| !REFERENCES.contains(&word.as_str())) =>
+                {
+                    return Err(BadArgument(
+                        "one field is a pitch angle, which needs its unit (`:degrees`, `:radians`), or a quaternion, \
+                         which needs what it is measured from (`:earth`, `:heading`, `:airframe`)"
+                            .to_owned(),
+                    ));
                 }
                 ([_, _, _], None) => {
                     return Err(BadArgument(
@@ -346,8 +404,13 @@ impl FromStr for RoleArgument<GimbalSource> {
         Self::parse(
             text,
             read,
-            "radians, degrees or centidegrees; up or down; wxyz or xyzw; earth, heading or airframe; \
-             frd-ned or flu-enu",
+            &[
+                ANGLE_UNITS,
+                &["up", "down"],
+                QUATERNION_ORDERS,
+                REFERENCES,
+                CONVENTIONS,
+            ],
         )
     }
 }
@@ -389,7 +452,11 @@ impl FromStr for RoleArgument<PositionSource> {
         Self::parse(
             text,
             read,
-            "radians, degrees or degE7 for a latitude and longitude; ned or enu for x, y, z; m, cm or mm",
+            &[
+                &["radians", "degrees", "degE7"],
+                &["ned", "enu"],
+                &["m", "cm", "mm"],
+            ],
         )
     }
 }
@@ -407,12 +474,17 @@ impl FromStr for TimeSource {
             ("publish", None) => Ok(Self::PublishTime),
             (path, unit) => {
                 let mut words = Words(unit.map(str::to_owned).into_iter().collect());
-                let source = Self::Field {
-                    path: (path.parse()).map_err(|error| BadArgument(format!("{error}")))?,
-                    unit: words.take().unwrap_or_default(),
+                words.check(&[&["s", "ms", "us", "ns"]])?;
+                let not_a_field = |_| {
+                    BadArgument(format!(
+                        "`{path}` is not a time: write log, publish, or a field of the messages without their \
+                         topic, as in header.stamp or time_usec:us"
+                    ))
                 };
-                words.finish("s, ms, us or ns")?;
-                Ok(source)
+                Ok(Self::Field {
+                    path: path.parse().map_err(not_a_field)?,
+                    unit: words.take().unwrap_or_default(),
+                })
             }
         }
     }

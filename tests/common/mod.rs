@@ -1,7 +1,9 @@
 //! What the tests share: logs of any shape, and a judge of results that is made of the official reader.
 #![allow(dead_code)] // Each test binary uses its own part of this.
 
+pub mod folder;
 pub mod message;
+pub mod topics;
 
 pub use message::Read;
 

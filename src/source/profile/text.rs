@@ -5,22 +5,37 @@ use toml::{Table, Value};
 use super::{Place, Profile};
 use crate::{sample::Kind, source::path::MessagePath};
 
+/// The keys of a role below which paths are found.
+const WITH_PATHS: [&str; 8] = [
+    "orientation",
+    "vector",
+    "geodetic",
+    "local",
+    "valid",
+    "when",
+    "reset_counter",
+    "time",
+];
+
 /// Reads a profile from TOML.
 pub fn parse(toml: &str) -> Result<Profile, String> {
-    let says = |error: toml::de::Error| error.to_string().trim().to_owned();
-    let mut table: Table = toml.parse().map_err(says)?;
+    let mut table: Table = toml
+        .parse()
+        .map_err(|error: toml::de::Error| error.to_string().trim().to_owned())?;
     for kind in Kind::ALL {
-        match table.get_mut(kind.name()) {
-            Some(Value::Table(role)) => lift_topic(role)?,
-            Some(Value::Array(roles)) => {
-                for role in roles.iter_mut().filter_map(Value::as_table_mut) {
-                    lift_topic(role)?;
-                }
-            }
-            _ => {}
+        let mut alternatives = match table.get_mut(kind.name()) {
+            Some(Value::Table(role)) => vec![role],
+            Some(Value::Array(roles)) => roles.iter_mut().filter_map(Value::as_table_mut).collect(),
+            _ => Vec::new(),
+        };
+        for role in &mut alternatives {
+            check_choices(kind, role)
+                .map_err(|problem| format!("{problem}, in `{}`", kind.name()))?;
+            lift_topic(role).map_err(|problem| format!("{problem}, in `{}`", kind.name()))?;
         }
     }
-    let profile: Profile = table.clone().try_into().map_err(says)?;
+    let profile: Profile =
+        (table.clone().try_into()).map_err(|error: toml::de::Error| in_one_line(&error))?;
     let known = Table::try_from(&profile).expect("a profile was read from TOML");
     if let Some(key) = unknown_key(&table, &known) {
         return Err(format!(
@@ -31,20 +46,54 @@ pub fn parse(toml: &str) -> Result<Profile, String> {
     Ok(profile)
 }
 
+/// Checks that of keys which exclude each other a role has one.
+fn check_choices(kind: Kind, role: &Table) -> Result<(), String> {
+    if kind == Kind::Position {
+        one_of(role, "a position", &["geodetic", "local"])?;
+    }
+    if let Some(Value::Table(orientation)) = role.get("orientation") {
+        let ways: &[&str] = match kind {
+            Kind::Gimbal => &["quaternion", "euler", "pitch"],
+            _ => &["quaternion", "euler"],
+        };
+        one_of(orientation, "an orientation", ways)?;
+    }
+    match role.get("when") {
+        Some(Value::Table(when)) => one_of(when, "`when`", &["is", "says", "has_bits"]),
+        _ => Ok(()),
+    }
+}
+
+fn one_of(table: &Table, what: &str, keys: &[&str]) -> Result<(), String> {
+    let given = keys.iter().filter(|key| table.contains_key(**key)).count();
+    let choices = keys.join("`, `");
+    match given {
+        1 => Ok(()),
+        0 => Err(format!("{what} needs one of `{choices}`")),
+        _ => Err(format!("{what} takes only one of `{choices}`")),
+    }
+}
+
+/// What is wrong, and in which key.
+fn in_one_line(error: &toml::de::Error) -> String {
+    let text = error.to_string();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
+    lines.join(", ")
+}
+
 /// Where a role's paths name their topic, as in `/imu.orientation`, takes it out of them and into `topics`.
 fn lift_topic(role: &mut Table) -> Result<(), String> {
     let mut topics: Vec<String> = Vec::new();
-    for (key, value) in role.iter_mut() {
-        if key != "topics" && key != "schemas" {
+    for key in WITH_PATHS {
+        if let Some(value) = role.get_mut(key) {
             lift_from(value, &mut topics)?;
         }
     }
     topics.dedup();
     match topics.as_slice() {
         [] => Ok(()),
-        [_] if role.contains_key("topics") => Err(format!(
-            "a path names the topic {}, and `topics` names others; leave one of the two out",
-            topics[0]
+        [topic] if role.contains_key("topics") => Err(format!(
+            "a path names the topic {topic}, and there is `topics` as well; leave one of the two out"
         )),
         [_] => {
             let topics = topics.into_iter().map(Value::String).collect();
@@ -71,8 +120,9 @@ fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), String> 
         Value::Array(values) => values
             .iter_mut()
             .try_for_each(|value| lift_from(value, topics)),
-        Value::Table(table) => table
-            .iter_mut()
+        // What a field says may look like a path: frame ids of ROS 1 do.
+        Value::Table(table) => (table.iter_mut())
+            .filter(|(key, _)| *key != "says")
             .try_for_each(|(_, value)| lift_from(value, topics)),
         _ => Ok(()),
     }
@@ -108,7 +158,7 @@ fn check(profile: &Profile) -> Result<(), String> {
         .filter(|source| named(&source.place))
         .count();
     if count != 0 && count != profile.attitude.len() {
-        return Err("some alternatives of `attitude` have `topics` and others have not".to_owned());
+        return Err("some alternatives of `attitude` have `topics` and others have not; name the topics of each, or of none".to_owned());
     }
     Ok(())
 }
@@ -133,9 +183,16 @@ pub mod one_or_more {
             toml::Value::Array(list) => list,
             single => vec![single],
         };
-        let entries = list.into_iter().map(|entry| entry.try_into());
-        entries
-            .collect::<Result<_, _>>()
-            .map_err(|error: toml::de::Error| serde::de::Error::custom(error.message()))
+        let of_several = list.len() > 1;
+        let entries = (1..).zip(list).map(|(number, entry)| {
+            entry.try_into().map_err(|error: toml::de::Error| {
+                let problem = super::in_one_line(&error);
+                serde::de::Error::custom(match of_several {
+                    true => format!("{problem}, in alternative {number}"),
+                    false => problem,
+                })
+            })
+        });
+        entries.collect()
     }
 }

@@ -1,0 +1,144 @@
+//! A folder in which the program is run as a user would, and what must hold of every run.
+
+use std::{collections::BTreeMap, fs, path::PathBuf, time::SystemTime};
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The log in most tests, and where its result goes unless told otherwise.
+pub const LOG: &str = "flight.mcap";
+pub const RESULT: &str = "flight.enriched.mcap";
+
+/// A folder in which the program is run, and which shows what it left there.
+pub struct Folder(TempDir);
+
+/// A file's time of modification, length and checksum; nothing for a folder.
+type Fingerprint = Option<(SystemTime, u64, u32)>;
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn with(name: &str, content: impl AsRef<[u8]>) -> Self {
+        let folder = Self::new();
+        folder.add(name, content);
+        folder
+    }
+
+    /// With the demonstration flight as [`LOG`].
+    pub fn with_flight() -> Self {
+        Self::with(
+            LOG,
+            fs::read(super::repository("fixtures/survey_flight.mcap")).unwrap(),
+        )
+    }
+
+    pub fn add(&self, name: &str, content: impl AsRef<[u8]>) {
+        let path = self.path(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+
+    /// Everything in the folder and below, hidden files too.
+    pub fn contents(&self) -> BTreeMap<PathBuf, Fingerprint> {
+        let mut contents = BTreeMap::new();
+        let mut folders = vec![self.0.path().to_owned()];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                let metadata = fs::metadata(&path).unwrap();
+                if metadata.is_dir() {
+                    folders.push(path.clone());
+                    contents.insert(path, None);
+                } else {
+                    let checksum = crc32fast::hash(&fs::read(&path).unwrap());
+                    let modified = metadata.modified().unwrap();
+                    contents.insert(path, Some((modified, metadata.len(), checksum)));
+                }
+            }
+        }
+        contents
+    }
+
+    /// Runs the program with arguments separated by spaces, and expects an exit code. Gives standard output and
+    /// standard error.
+    #[track_caller]
+    pub fn run(&self, arguments: &str, code: i32) -> (String, String) {
+        let mut command = cargo_bin_cmd!("flightcam");
+        command.args(arguments.split_whitespace());
+        command.current_dir(&self.0).env_remove("CLICOLOR_FORCE");
+        let output = command.output().unwrap();
+        let out = String::from_utf8(output.stdout).unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{arguments}\n{out}{err}");
+        (out, err)
+    }
+
+    /// Runs the program, which must refuse: with this exit code and this message on standard error, nothing on
+    /// standard output, and the folder as it was to the last byte.
+    #[track_caller]
+    pub fn refuses(&self, arguments: &str, code: i32, message: &str) {
+        let before = self.contents();
+        let (out, err) = self.run(arguments, code);
+        assert!(err.starts_with("error: "), "{err}");
+        assert_reads(&err, message);
+        assert_eq!(out, "", "standard output of `{arguments}`");
+        assert_eq!(self.contents(), before, "the folder after `{arguments}`");
+    }
+
+    /// Runs the program, which must write a result: with this exit code, nothing on standard error, nothing on
+    /// standard output that is meant for a terminal, and all other files as they were. Gives what it printed.
+    #[track_caller]
+    pub fn writes(&self, result: &str, arguments: &str, code: i32) -> String {
+        let mut before = self.contents();
+        let (out, err) = self.run(arguments, code);
+        // Where the report is not for people, what they must know goes to standard error.
+        let warns = code == 3 && (arguments.contains("--json") || arguments.contains("--quiet"));
+        assert_eq!(
+            !err.is_empty(),
+            warns,
+            "standard error of `{arguments}`: {err}"
+        );
+        assert!(
+            err.lines()
+                .all(|line| line.starts_with("warning: flight.mcap: "))
+        );
+        assert!(!out.contains(['\x1b', '\r']), "{out:?}");
+
+        let mut after = self.contents();
+        let old = before.remove(&self.path(result)).flatten();
+        let new = after.remove(&self.path(result)).flatten();
+        assert!(new.is_some() && new != old, "`{arguments}`: no {result}");
+        assert_eq!(after, before, "the folder after `{arguments}`");
+        out
+    }
+
+    /// As [`writes`](Self::writes) to [`RESULT`], with the report in JSON.
+    #[track_caller]
+    pub fn reports(&self, arguments: &str, code: i32) -> Value {
+        let json = self.writes(RESULT, &format!("{arguments} --json"), code);
+        serde_json::from_str(&json).expect("standard output is one JSON document")
+    }
+}
+
+/// Checks that a text has all parts of an abridged one, in which `…` stands for anything.
+#[track_caller]
+pub fn assert_reads(text: &str, abridged: &str) {
+    let mut rest = text;
+    for part in abridged.split('…').map(str::trim) {
+        let Some((_, behind)) = rest.split_once(part) else {
+            panic!("`{part}` of `{abridged}` is not where it should be in:\n{text}");
+        };
+        rest = behind;
+    }
+}
