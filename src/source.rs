@@ -17,6 +17,7 @@ mod ros;
 mod schema;
 mod selection;
 mod topic;
+mod unresolved;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -2,140 +2,10 @@
 
 mod common;
 
-use std::{fs, io::Cursor, path::PathBuf};
-
-use common::{message::Said, *};
-use flightcam::{
-    Error, Options, Report,
-    enrich::enrich,
-    source::profile::{Profile, ProfileChoice},
-};
-use mcap::{WriteOptions, records::MessageHeader};
+use common::{logbook::*, message::Said};
+use flightcam::source::profile::Profile;
 use prost::Message;
-use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor};
-
-/// A log in the making, and the folder that it is enriched in.
-struct Logbook {
-    writer: mcap::Writer<Cursor<Vec<u8>>>,
-    folder: tempfile::TempDir,
-}
-
-impl Logbook {
-    fn new() -> Self {
-        let options = WriteOptions::new().chunk_size(Some(256));
-        Self {
-            writer: options.create(Cursor::new(Vec::new())).expect("a writer"),
-            folder: tempfile::tempdir().expect("a temporary folder"),
-        }
-    }
-
-    /// A protobuf channel whose messages are `test.Message` of the given definition.
-    fn protobuf(&mut self, topic: &str, definition: &str) -> (u16, MessageDescriptor) {
-        let file = self.folder.path().join("test.proto");
-        fs::write(
-            &file,
-            format!("syntax = \"proto3\"; package test; {definition}"),
-        )
-        .expect("written");
-        let descriptors = protox::compile([&file], [self.folder.path()]).expect("a valid schema");
-        let bytes = descriptors.encode_to_vec();
-        let pool = DescriptorPool::decode(&bytes[..]).expect("a pool");
-        let schema = self
-            .writer
-            .add_schema("test.Message", "protobuf", &bytes)
-            .expect("a schema");
-        let channel = self.channel(schema, topic, "protobuf");
-        (
-            channel,
-            pool.get_message_by_name("test.Message")
-                .expect("the message"),
-        )
-    }
-
-    fn json(&mut self, topic: &str) -> u16 {
-        self.channel(0, topic, "json")
-    }
-
-    fn channel(&mut self, schema: u16, topic: &str, encoding: &str) -> u16 {
-        let metadata = Default::default();
-        self.writer
-            .add_channel(schema, topic, encoding, &metadata)
-            .expect("a channel")
-    }
-
-    /// Writes a message; times are in milliseconds.
-    fn put(&mut self, channel_id: u16, time: u64, payload: &[u8]) {
-        let header = MessageHeader {
-            channel_id,
-            sequence: 0,
-            log_time: time * 1_000_000,
-            publish_time: time * 1_000_000 + 7,
-        };
-        self.writer
-            .write_to_known_channel(&header, payload)
-            .expect("a message");
-    }
-
-    /// Writes flat JSON telemetry: a yaw in radians, and a velocity to the north.
-    fn put_flat(&mut self, channel_id: u16, time: u64, yaw: &str, vx: &str) {
-        let json = format!(r#"{{"roll":0,"pitch":0,"yaw":{yaw},"vx":{vx},"vy":0,"vz":0}}"#);
-        self.put(channel_id, time, json.as_bytes());
-    }
-
-    /// Enriches the log with the camera at the horizon, where the rotation's yaw is the drone's own.
-    fn enrich(self, profile: Option<&str>) -> Result<(Vec<Read>, Report), Error> {
-        let mut writer = self.writer;
-        writer.finish().expect("the log is finished");
-        let input = self.folder.path().join("log.mcap");
-        let output = self.folder.path().join("result.mcap");
-        fs::write(&input, writer.into_inner().into_inner()).expect("the log is written");
-        let mut options =
-            Options::new(flightcam::geometry::DepressionAngle::from_degrees(0.0).expect("0°"));
-        if let Some(text) = profile {
-            let file: PathBuf = self.folder.path().join("own.toml");
-            fs::write(&file, text).expect("the profile is written");
-            let profile = Profile::load(file.to_str().expect("a UTF-8 path"))?;
-            options.telemetry.profile = ProfileChoice::Given(Box::new(profile));
-        }
-        let report = enrich(&input, &output, &options, &mut |_| {})?;
-        let result = fs::read(output).expect("the result");
-        let derived = stream(&result, false).into_iter();
-        Ok((
-            derived
-                .filter(|message| DERIVED.contains(&message.topic.as_str()))
-                .collect(),
-            report,
-        ))
-    }
-}
-
-/// Of the messages of a topic, the times in milliseconds, and one of the numbers.
-fn numbers(derived: &[Read], topic: &str, which: usize) -> Vec<(u64, f64)> {
-    let of_topic = derived.iter().filter(|message| message.topic == topic);
-    of_topic
-        .map(|message| {
-            let number = Said::by(message).numbers[which];
-            // Away the last digits, which are geometry's subject.
-            (message.log_time / 1_000_000, (number * 1e9).round() / 1e9)
-        })
-        .collect()
-}
-
-fn yaws(derived: &[Read]) -> Vec<(u64, f64)> {
-    numbers(derived, "/camera/relative_rpy", 2)
-}
-
-fn forwards(derived: &[Read]) -> Vec<(u64, f64)> {
-    numbers(derived, "/camera/velocity", 0)
-}
-
-fn dropped(tally: &flightcam::sample::Tally) -> Vec<(&'static str, u64)> {
-    tally
-        .dropped
-        .iter()
-        .map(|(reason, count)| (reason.name(), *count))
-        .collect()
-}
+use prost_reflect::DynamicMessage;
 
 #[test]
 fn samples_come_in_time_order_whatever_their_order_in_the_file() {
@@ -265,14 +135,6 @@ const NESTED_PROFILE: &str = r#"
     valid = ["pose.ok"]
 "#;
 
-/// A `NESTED` message in protobuf's text form.
-fn pose(message: &MessageDescriptor, text: &str) -> Vec<u8> {
-    let json = &mut serde_json::Deserializer::from_str(text);
-    DynamicMessage::deserialize(message.clone(), json)
-        .expect("a message")
-        .encode_to_vec()
-}
-
 #[test]
 fn each_reading_is_dropped_for_the_first_reason_that_applies() {
     let mut log = Logbook::new();
@@ -296,7 +158,7 @@ fn each_reading_is_dropped_for_the_first_reason_that_applies() {
         ),
         (9, r#"{"pose":{"q":[1.9,0,0,0],"ok":true}}"#.to_owned()),
     ] {
-        let payload = pose(&message, &text);
+        let payload = protobuf_message(&message, &text);
         log.put(channel, time, &payload);
     }
     log.put(channel, 10, &[0x12, 0x7f, 0x00]);
@@ -329,7 +191,7 @@ fn lists_may_be_packed_or_not_and_messages_may_come_in_parts() {
     let mut log = Logbook::new();
     let (channel, message) = log.protobuf("/pose", NESTED);
     let half = std::f32::consts::FRAC_1_SQRT_2;
-    let packed = pose(
+    let packed = protobuf_message(
         &message,
         r#"{"pose":{"q":[1,0,0,0],"speed":{"x":2},"ok":true}}"#,
     );
@@ -371,7 +233,7 @@ fn a_profile_that_asks_for_what_a_schema_lacks_names_it_and_what_there_is() {
     ] {
         let mut log = Logbook::new();
         let (channel, message) = log.protobuf("/pose", NESTED);
-        let payload = pose(&message, r#"{"pose":{"q":[1,0,0,0]}}"#);
+        let payload = protobuf_message(&message, r#"{"pose":{"q":[1,0,0,0]}}"#);
         log.put(channel, 0, &payload);
         let profile =
             NESTED_PROFILE.replace(&format!("\"{}\"", wrong.0), &format!("\"{}\"", wrong.1));
@@ -522,7 +384,7 @@ fn old_px4_logs_have_no_reset_counter() {
     let mut log = Logbook::new();
     let (channel, message) = log.protobuf("/vehicle_attitude", attitude);
     for time in [0, 20] {
-        let payload = pose(&message, r#"{"q":[1,0,0,0]}"#);
+        let payload = protobuf_message(&message, r#"{"q":[1,0,0,0]}"#);
         log.put(channel, time, &payload);
     }
     let (derived, report) = log.enrich(None).expect("a result");

@@ -2,13 +2,13 @@
 
 use super::{
     binder::Binder,
-    binding::{BoundOrientation, Quantity},
+    binding::{BoundOrientation, Quantity, Reading, Role},
     path::FieldPath,
     profile::{
         AttitudeSource, Coordinates, GimbalOrientation, GimbalSource, Orientation, Place,
         PositionSource, Profile, VelocitySource,
     },
-    schema::Unresolved,
+    unresolved::Unresolved,
 };
 use crate::sample::Kind;
 
@@ -32,6 +32,67 @@ pub trait Alternative {
 
     /// Resolves what it makes a sample of.
     fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved>;
+}
+
+/// Binds those alternatives for which the schema has the fields, up to the first that needs no condition.
+///
+/// # Errors
+/// There is none; the error tells what the one that lacks the least lacks.
+pub fn bind_role<A: Alternative>(
+    binder: &mut Binder,
+    profile: &Profile,
+    alternatives: &[&A],
+) -> Result<Role, Unresolved> {
+    let mut role = Role {
+        kind: A::KIND,
+        fields: Vec::new(),
+        readings: Vec::new(),
+    };
+    let mut nearest: Option<(f64, Unresolved)> = None;
+    for &alternative in alternatives {
+        match binder.attempt(|binder| bind_reading(binder, profile, alternative)) {
+            Ok(reading) => {
+                if role.readings.is_empty() {
+                    role.fields = alternative.fields().into_iter().cloned().collect();
+                }
+                let needs_no_condition = reading.condition.is_none();
+                role.readings.push(reading);
+                if needs_no_condition {
+                    break;
+                }
+            }
+            Err(unreadable @ Unresolved::Unreadable(_)) => return Err(unreadable),
+            Err(unresolved) => {
+                let share = unresolved.lacks() as f64 / alternative.fields().len() as f64;
+                if nearest.as_ref().is_none_or(|(least, _)| share < *least) {
+                    nearest = Some((share, unresolved));
+                }
+            }
+        }
+    }
+    match nearest {
+        Some((_, unresolved)) if role.readings.is_empty() => Err(unresolved),
+        _ => Ok(role),
+    }
+}
+
+fn bind_reading<A: Alternative>(
+    binder: &mut Binder,
+    profile: &Profile,
+    alternative: &A,
+) -> Result<Reading, Unresolved> {
+    let place = alternative.place();
+    Ok(Reading {
+        condition: match &place.when {
+            Some(condition) => Some(binder.condition(condition)?),
+            None => None,
+        },
+        quantity: alternative.bind(binder)?,
+        valid: (place.valid.iter())
+            .map(|path| binder.number(path))
+            .collect::<Result<_, _>>()?,
+        time: binder.time(place.time.as_ref().unwrap_or(&profile.time))?,
+    })
 }
 
 impl Alternative for AttitudeSource {

@@ -1,18 +1,14 @@
 //! Resolving a profile's fields against the schema of one channel.
 
 use super::{
-    alternative::Alternative,
-    binding::{
-        BoundComponents, BoundCondition, BoundOrientation, BoundTest, BoundTime, Reading, Role,
-        Slot,
-    },
+    binding::{BoundComponents, BoundCondition, BoundOrientation, BoundTest, BoundTime, Slot},
     field::{FieldKind, Shape, Wanted},
     path::FieldPath,
     profile::{
-        Components, Condition, Euler, Profile, Quaternion, Test, TimeSource,
-        convention::QuaternionOrder,
+        Components, Condition, Euler, Quaternion, Test, TimeSource, convention::QuaternionOrder,
     },
-    schema::{Schema, Unresolved},
+    schema::Schema,
+    unresolved::Unresolved,
 };
 
 /// Resolves fields against the schema of one channel, and collects them for its decoder.
@@ -42,77 +38,29 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// Binds those alternatives for which the schema has the fields, up to the first that needs no condition.
+    /// Does what `resolve` does, all or nothing: where the schema lacks fields or something else is wrong,
+    /// nothing stays wanted.
     ///
     /// # Errors
-    /// There is none; the error tells what the one that lacks the least lacks.
-    pub fn bind_role<A: Alternative>(
+    /// Those of `resolve`, or all the fields that are lacking.
+    pub fn attempt<T>(
         &mut self,
-        profile: &Profile,
-        alternatives: &[&A],
-    ) -> Result<Role, Unresolved> {
-        let mut role = Role {
-            kind: A::KIND,
-            fields: Vec::new(),
-            readings: Vec::new(),
-        };
-        let mut nearest: Option<(f64, Unresolved)> = None;
-        for &alternative in alternatives {
-            let already_wanted = self.wanted.len();
-            match self.bind_reading(profile, alternative) {
-                Ok(reading) => {
-                    if role.readings.is_empty() {
-                        role.fields = alternative.fields().into_iter().cloned().collect();
-                    }
-                    let needs_no_condition = reading.condition.is_none();
-                    role.readings.push(reading);
-                    if needs_no_condition {
-                        break;
-                    }
-                }
-                Err(unreadable @ Unresolved::Unreadable(_)) => return Err(unreadable),
-                Err(unresolved) => {
-                    // What it found before it failed must not trouble the next one.
-                    self.wanted.truncate(already_wanted);
-                    self.lacking = None;
-                    let share = unresolved.lacks() as f64 / alternative.fields().len() as f64;
-                    if nearest.as_ref().is_none_or(|(least, _)| share < *least) {
-                        nearest = Some((share, unresolved));
-                    }
-                }
-            }
-        }
-        match nearest {
-            Some((_, unresolved)) if role.readings.is_empty() => Err(unresolved),
-            _ => Ok(role),
-        }
-    }
-
-    fn bind_reading<A: Alternative>(
-        &mut self,
-        profile: &Profile,
-        alternative: &A,
-    ) -> Result<Reading, Unresolved> {
-        let place = alternative.place();
-        let reading = Reading {
-            condition: match &place.when {
-                Some(condition) => Some(self.condition(condition)?),
-                None => None,
-            },
-            quantity: alternative.bind(self)?,
-            valid: (place.valid.iter())
-                .map(|path| self.number(path))
-                .collect::<Result<_, _>>()?,
-            time: self.time(place.time.as_ref().unwrap_or(&profile.time))?,
-        };
-        match self.lacking.take() {
-            None => Ok(reading),
-            Some(lacking) => Err(Unresolved::NoSuchField {
+        resolve: impl FnOnce(&mut Self) -> Result<T, Unresolved>,
+    ) -> Result<T, Unresolved> {
+        let already_wanted = self.wanted.len();
+        let resolved = resolve(self);
+        let resolved = match (resolved, self.lacking.take()) {
+            (Ok(_), Some(lacking)) => Err(Unresolved::NoSuchField {
                 lacking: lacking.fields,
                 place: lacking.place,
                 available: lacking.available,
             }),
+            (resolved, _) => resolved,
+        };
+        if resolved.is_err() {
+            self.wanted.truncate(already_wanted);
         }
+        resolved
     }
 
     /// Resolves a number.
@@ -187,7 +135,8 @@ impl<'a> Binder<'a> {
         })
     }
 
-    fn condition(&mut self, condition: &Condition) -> Result<BoundCondition, Unresolved> {
+    /// Resolves a condition.
+    pub fn condition(&mut self, condition: &Condition) -> Result<BoundCondition, Unresolved> {
         let path = &condition.field;
         Ok(match &condition.test {
             Test::Is(number) => BoundCondition {
@@ -212,7 +161,8 @@ impl<'a> Binder<'a> {
         })
     }
 
-    fn time(&mut self, source: &TimeSource) -> Result<BoundTime, Unresolved> {
+    /// Resolves a time.
+    pub fn time(&mut self, source: &TimeSource) -> Result<BoundTime, Unresolved> {
         const SECONDS: [&str; 3] = ["sec", "secs", "seconds"];
         const NANOSECONDS: [&str; 5] = ["nanosec", "nsec", "nsecs", "nanos", "nanoseconds"];
         let (path, unit) = match source {

@@ -9,7 +9,8 @@ use super::{
     },
     field::{FieldValue, Number, Slots, Wanted},
     profile::convention::AngleUnit,
-    schema::{Decoder, Schema, Unresolved},
+    schema::{Decoder, Schema},
+    unresolved::Unresolved,
 };
 use crate::{
     geometry::RollPitchYaw,

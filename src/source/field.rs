@@ -1,6 +1,9 @@
 //! Fields of messages: what is wanted of them, what they held, and where a decoder looks for them.
 
-use super::path::{FieldPath, Step};
+use super::{
+    path::{FieldPath, Step},
+    unresolved::Unresolved,
+};
 use crate::sample::DropReason;
 
 /// A field that a role is made of.
@@ -289,9 +292,24 @@ impl From<&Step> for Key<String> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Overlap;
 
+/// The tree of wanted fields, each a path, the keys that lead there, and what is to be done there: the branches
+/// of its root.
+pub fn tree<Name: PartialEq + Clone, Leaf>(
+    wanted: Vec<(&FieldPath, Vec<Key<Name>>, Leaf)>,
+) -> Result<Branches<Name, Leaf>, Unresolved> {
+    let mut root = Vec::new();
+    let mut lists = 0;
+    for (path, keys, leaf) in wanted {
+        let path = path.clone();
+        insert(&mut root, &keys, leaf, &mut lists)
+            .map_err(|Overlap| Unresolved::Overlap { path })?;
+    }
+    Ok(root)
+}
+
 /// Adds a field at the end of a path to the branches of a message. `lists` counts the lists that paths lead
 /// into.
-pub fn insert<Name: PartialEq + Clone, Leaf>(
+fn insert<Name: PartialEq + Clone, Leaf>(
     branches: &mut Branches<Name, Leaf>,
     path: &[Key<Name>],
     leaf: Leaf,

@@ -6,7 +6,7 @@ use mcap::records::Channel;
 
 use super::{
     RoleSource,
-    alternative::Alternative,
+    alternative::{Alternative, bind_role},
     binder::Binder,
     binding::Role,
     channel::ChannelSource,
@@ -14,8 +14,9 @@ use super::{
     path::FieldPath,
     profile::{AttitudeSource, GimbalSource, Place, PositionSource, Profile, VelocitySource},
     request::Request,
-    schema::{Schema, Unresolved, quote},
+    schema::Schema,
     topic::Pattern,
+    unresolved::{Unresolved, quote},
 };
 use crate::{error::Error, log::Log, sample::Kind};
 
@@ -311,9 +312,7 @@ impl<'a> Finder<'a> {
         for channel in &self.topics[topic] {
             let alternatives = self.alternatives::<A>(profile, namespace, channel, own)?;
             let schema = self.schema(channel)?;
-            fields = Binder::new(&schema)
-                .bind_role(profile, &alternatives)?
-                .fields;
+            fields = bind_role(&mut Binder::new(&schema), profile, &alternatives)?.fields;
         }
         Ok(fields)
     }
@@ -359,7 +358,7 @@ impl<'a> Finder<'a> {
     ) -> Result<Role, Unresolved> {
         let own = Some(fit.attitude.topic.as_str());
         let alternatives = self.alternatives::<A>(profile, &fit.namespace, channel, own)?;
-        binder.bind_role(profile, &alternatives)
+        bind_role(binder, profile, &alternatives)
     }
 
     /// How to read each channel of a fit's topics.

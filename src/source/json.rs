@@ -1,6 +1,6 @@
 //! Numbers out of JSON messages.
 
-use std::{borrow::Cow, fmt};
+use std::fmt;
 
 use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde_json::Value;
@@ -9,9 +9,10 @@ use super::{
     examples::Examples,
     field::{
         Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
+        tree,
     },
     path::{FieldPath, Step},
-    schema::{Unresolved, tree},
+    unresolved::Unresolved,
 };
 
 /// What is known of a channel's messages: what its JSON Schema lists, and what its first messages have. JSON
@@ -228,18 +229,49 @@ impl<'de> Visitor<'de> for MessageSeed<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        while let Some(name) = map.next_key::<Cow<str>>()? {
-            match self.fields.iter().find(|(wanted, _)| *wanted == name) {
+        let fields = self.fields;
+        while let Some(wanted) = map.next_key_seed(KeySeed { fields })? {
+            match wanted {
                 None => {
                     map.next_value::<IgnoredAny>()?;
                 }
-                Some((_, node)) => map.next_value_seed(NodeSeed {
+                Some(node) => map.next_value_seed(NodeSeed {
                     node,
                     slots: &mut *self.slots,
                 })?,
             }
         }
         Ok(())
+    }
+}
+
+/// A key: what is wanted of it, found without making a string of it.
+struct KeySeed<'a> {
+    fields: &'a [(String, Tree)],
+}
+
+impl<'de, 'a> DeserializeSeed<'de> for KeySeed<'a> {
+    type Value = Option<&'a Tree>;
+
+    fn deserialize<D: serde::Deserializer<'de>>(
+        self,
+        deserializer: D,
+    ) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_str(self)
+    }
+}
+
+impl<'a> Visitor<'_> for KeySeed<'a> {
+    type Value = Option<&'a Tree>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a key")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {
+        let mut fields = self.fields.iter();
+        let found = fields.find(|(wanted, _)| wanted == name);
+        Ok(found.map(|(_, node)| node))
     }
 }
 

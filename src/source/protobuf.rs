@@ -12,9 +12,10 @@ use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 use super::{
     field::{
         Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
+        tree,
     },
     path::{FieldPath, Step},
-    schema::{Unresolved, tree},
+    unresolved::Unresolved,
 };
 
 /// A message type, with those that it is made of.

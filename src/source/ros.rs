@@ -18,11 +18,12 @@ mod wire;
 use std::sync::Arc;
 
 use super::{
-    field::{FieldKind, FieldTree, Key, Slots, Undecodable, Wanted},
+    field::{FieldKind, FieldTree, Key, Slots, Undecodable, Wanted, tree},
     path::{FieldPath, Step},
-    schema::{Unresolved, tree},
+    unresolved::Unresolved,
 };
-use message::{Element, Length, Message, Type};
+use layout::Length;
+use message::{Element, Message, Type};
 use program::{Op, Program};
 use wire::{Cursor, Dialect};
 

@@ -4,15 +4,13 @@ use mcap::records::Channel;
 
 use super::{
     examples::Examples,
-    field::{self, Branches, FieldKind, Key, Overlap, Slots, Undecodable, Wanted},
+    field::{FieldKind, Slots, Undecodable, Wanted},
     json,
     path::FieldPath,
     protobuf, ros,
+    unresolved::Unresolved,
 };
-use crate::{error::Error, log::Log};
-
-/// How many fields a complaint lists at most.
-const LISTED: usize = 40;
+use crate::log::Log;
 
 /// What tells where the fields of a channel's messages lie.
 #[derive(Debug)]
@@ -28,51 +26,6 @@ pub enum Decoder {
     Protobuf(protobuf::Decoder),
     Json(json::Decoder),
     Ros(ros::Decoder),
-}
-
-/// Why a channel's messages cannot be read as a profile says.
-#[derive(Debug, thiserror::Error)]
-pub enum Unresolved {
-    #[error(
-        "its messages are encoded as `{message_encoding}` with schema encoding `{schema_encoding}`; \
-         flightcam reads protobuf, JSON, ROS 2 (cdr with ros2msg) and ROS 1 (ros1 with ros1msg)"
-    )]
-    Encoding {
-        message_encoding: String,
-        schema_encoding: String,
-    },
-    #[error("{problem}")]
-    Schema { problem: String },
-    #[error("it has no field {}; {place} has {}", quote(lacking), list(available))]
-    NoSuchField {
-        lacking: Vec<FieldPath>,
-        /// The message, or what else was searched for the first of them.
-        place: String,
-        available: Vec<String>,
-    },
-    #[error("its field `{path}` does not exist, because `{through}` is {kind}")]
-    NotThere {
-        path: FieldPath,
-        /// Where the path leads through.
-        through: String,
-        kind: &'static str,
-    },
-    #[error(
-        "its field `{path}` does not exist, because the list has {length} elements, counted from 0"
-    )]
-    OutOfRange { path: FieldPath, length: usize },
-    #[error("its messages are of type `{name}`, not {}", wanted.join(" or "))]
-    OtherType { name: String, wanted: Vec<String> },
-    #[error("its field `{path}` is not {wanted} but {kind}")]
-    WrongShape {
-        path: FieldPath,
-        wanted: &'static str,
-        kind: &'static str,
-    },
-    #[error("its field `{path}` is wanted both as a whole and in part")]
-    Overlap { path: FieldPath },
-    #[error(transparent)]
-    Unreadable(#[from] Error),
 }
 
 impl<'a> Schema<'a> {
@@ -132,54 +85,5 @@ impl Decoder {
             Self::Json(decoder) => decoder.decode(message, slots),
             Self::Ros(decoder) => decoder.decode(message, slots),
         }
-    }
-}
-
-/// The tree of wanted fields, each a path, the keys that lead there, and what is to be done there: the branches
-/// of its root.
-pub fn tree<Name: PartialEq + Clone, Leaf>(
-    wanted: Vec<(&FieldPath, Vec<Key<Name>>, Leaf)>,
-) -> Result<Branches<Name, Leaf>, Unresolved> {
-    let mut root = Vec::new();
-    let mut lists = 0;
-    for (path, keys, leaf) in wanted {
-        let path = path.clone();
-        field::insert(&mut root, &keys, leaf, &mut lists)
-            .map_err(|Overlap| Unresolved::Overlap { path })?;
-    }
-    Ok(root)
-}
-
-/// Names in backquotes.
-pub fn quote(fields: &[FieldPath]) -> String {
-    let names: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
-    names.join(", ")
-}
-
-impl Unresolved {
-    /// Both, where what is wrong is that fields are lacking; else this one.
-    pub fn and(mut self, other: Option<Self>) -> Self {
-        if let (Self::NoSuchField { lacking, .. }, Some(Self::NoSuchField { lacking: more, .. })) =
-            (&mut self, other)
-        {
-            lacking.extend(more);
-        }
-        self
-    }
-
-    /// How many fields are lacking; where something else is wrong, more than can be.
-    pub fn lacks(&self) -> usize {
-        match self {
-            Self::NoSuchField { lacking, .. } => lacking.len(),
-            _ => usize::MAX,
-        }
-    }
-}
-
-fn list(names: &[String]) -> String {
-    let listed = names[..names.len().min(LISTED)].join(", ");
-    match names.len().saturating_sub(LISTED) {
-        0 => listed,
-        more => format!("{listed} and {more} more"),
     }
 }

@@ -2,7 +2,10 @@
 #![allow(dead_code)] // Each test binary uses its own part of this.
 
 pub mod folder;
+pub mod logbook;
 pub mod message;
+pub mod ros;
+pub mod telemetry;
 pub mod topics;
 
 pub use message::Read;

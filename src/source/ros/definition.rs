@@ -8,10 +8,11 @@ use re_ros_msg::{
 };
 
 use super::{
-    message::{Element, Field, Length, Message, Type},
+    layout::Length,
+    message::{Element, Field, Message, Type},
     wire::{Dialect, Scalar},
 };
-use crate::source::schema::Unresolved;
+use crate::source::unresolved::Unresolved;
 
 /// How many messages may lie within each other. Those of ROS's own packages are at most seven.
 const MAX_HEIGHT: usize = 64;

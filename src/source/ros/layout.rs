@@ -2,7 +2,14 @@
 
 use std::sync::Arc;
 
-use super::message::Length;
+/// The length of a list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Length {
+    /// In its definition.
+    Fixed(usize),
+    /// In every message, before the elements.
+    Sent,
+}
 
 /// How many bytes a value of fixed size takes, with the padding before it: by how far behind a multiple of eight
 /// bytes it begins, since nothing is aligned to more.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{
-    layout::{Extent, Skip},
+    layout::{Extent, Length, Skip},
     wire::{Dialect, Scalar},
 };
 use crate::source::field::FieldKind;
@@ -44,15 +44,6 @@ pub enum Element {
     /// read, nor can what lies behind it.
     WideText,
     Message(Arc<Message>),
-}
-
-/// The length of a list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Length {
-    /// In its definition.
-    Fixed(usize),
-    /// In every message, before the elements.
-    Sent,
 }
 
 impl Message {

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::{
-    layout::{Extent, Skip},
-    message::{Element, Field, Length, Message, Type},
+    layout::{Extent, Length, Skip},
+    message::{Element, Field, Message, Type},
     wire::{Cursor, Dialect, Scalar},
 };
 use crate::source::{
     field::{FieldTree, FieldValue, Shape, Undecodable},
-    schema::Unresolved,
+    unresolved::Unresolved,
 };
 
 /// Wanted fields by the names that lead to them, each with what reads it.

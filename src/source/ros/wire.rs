@@ -5,10 +5,7 @@
 //! <https://www.omg.org/spec/DDS-XTypes/1.3/PDF>). ROS 1 puts values one behind the other, little-endian
 //! (<https://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes>).
 
-use super::{
-    layout::{Layout, Skip},
-    message::Length,
-};
+use super::layout::{Layout, Length, Skip};
 use crate::source::field::{Number, Undecodable};
 
 /// Which ROS the messages are of.
