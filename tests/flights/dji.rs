@@ -1,0 +1,90 @@
+//! DJI's Onboard SDK in ROS 1.
+
+use super::{
+    definition::Wanted,
+    flight::{self, Flight},
+    logbook::Logbook,
+    recording::{Recording, Reference},
+    ros::{self, Ros, ros1},
+};
+
+pub fn recordings() -> Vec<Recording> {
+    vec![
+        recording("from broadcast", |mut log| {
+            attitude(&mut log);
+            velocity(&mut log);
+            log.fix("/dji_osdk_ros/gps_position");
+            gimbal(&mut log, "ground_ENU", ["vector.x", "vector.y", "vector.z"]);
+        })
+        .with_gimbal(Reference::Earth)
+        .with_geodetic(1e-9),
+        recording("from subscription", |mut log| {
+            log.imu("/dji_osdk_ros/imu");
+            velocity(&mut log);
+            local_position(&mut log);
+            gimbal(&mut log, "", ["vector.y", "vector.x", "vector.z"]);
+        })
+        .with_gimbal(Reference::Earth)
+        .with_local(1e-9),
+    ]
+}
+
+fn recording(name: &str, write: fn(Ros)) -> Recording {
+    let write = move |flight: &Flight, log: &mut Logbook| {
+        write(Ros {
+            flight,
+            log,
+            schema: ros1,
+        })
+    };
+    Recording::new("dji-osdk", name, Flight::new(), write)
+}
+
+fn attitude(log: &mut Ros) {
+    let flight = log.flight;
+    let message = "geometry_msgs/QuaternionStamped";
+    log.topic(
+        "/dji_osdk_ros/attitude",
+        message,
+        &flight.attitude_times,
+        |time| Wanted::new().xyzw("quaternion", ros::attitude(flight, time)),
+    );
+}
+
+fn velocity(log: &mut Ros) {
+    let flight = log.flight;
+    let message = "geometry_msgs/Vector3Stamped";
+    log.topic(
+        "/dji_osdk_ros/velocity",
+        message,
+        &flight.velocity_times,
+        |time| Wanted::new().xyz("vector", flight::enu(flight::velocity(time))),
+    );
+}
+
+fn local_position(log: &mut Ros) {
+    let flight = log.flight;
+    let message = "geometry_msgs/PointStamped";
+    log.topic(
+        "/dji_osdk_ros/local_position",
+        message,
+        &flight.position_times,
+        |time| Wanted::new().xyz("point", flight::enu(flight::local(time))),
+    );
+}
+
+/// Roll, pitch and yaw in degrees, in three fields.
+fn gimbal(log: &mut Ros, frame_id: &str, fields: [&str; 3]) {
+    let flight = log.flight;
+    let message = "geometry_msgs/Vector3Stamped";
+    log.topic(
+        "/dji_osdk_ros/gimbal_angle",
+        message,
+        &flight.gimbal_times,
+        |time| {
+            Wanted::new()
+                .numbers(fields, flight::gimbal(time).map(f64::to_degrees))
+                .text("header.frame_id", frame_id)
+        },
+    );
+}

@@ -1,0 +1,38 @@
+//! A flight, written as each publisher would have recorded it: in its messages, units, frames and encodings.
+//!
+//! Nothing here uses flightcam. Conventions are turned by matrices written out in [`flight`], messages are
+//! written by encoders of our own in [`encode`], from the publishers' own definitions in `definitions/`. Fields
+//! that nobody asks for are full of junk.
+
+pub mod definition;
+pub mod encode;
+pub mod flight;
+pub mod logbook;
+pub mod recording;
+
+mod ardupilot;
+mod dji;
+mod flat;
+mod mavros;
+mod nav_msgs;
+mod px4;
+mod px4_ros2;
+mod px4_ulog;
+mod ros;
+
+pub use flat::reference;
+pub use recording::Recording;
+
+/// Every way to record the flight that a profile should understand.
+pub fn recordings() -> Vec<Recording> {
+    let groups = [
+        px4_ulog::recordings(),
+        px4_ros2::recordings(),
+        mavros::recordings(),
+        ardupilot::recordings(),
+        dji::recordings(),
+        nav_msgs::recordings(),
+        flat::recordings(),
+    ];
+    groups.into_iter().flatten().collect()
+}

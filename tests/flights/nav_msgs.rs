@@ -1,0 +1,85 @@
+//! Odometry and poses of common types.
+
+use super::{
+    definition::{self, Wanted},
+    flight::{self, Flight},
+    logbook::{Logbook, Schema},
+    recording::Recording,
+    ros::{self, Ros, ros1, ros2},
+};
+
+pub fn recordings() -> Vec<Recording> {
+    let odometry = [
+        ("foxglove.Odometry", protobuf("Odometry")),
+        ("foxglove.Odometry in JSON", json("Odometry")),
+        ("foxglove_msgs/msg/Odometry", ros2("foxglove_msgs/Odometry")),
+    ];
+    let poses = [
+        ("foxglove.PoseInFrame", protobuf("PoseInFrame")),
+        ("foxglove.PoseInFrame in JSON", json("PoseInFrame")),
+        (
+            "foxglove_msgs/msg/PoseInFrame",
+            ros2("foxglove_msgs/PoseInFrame"),
+        ),
+    ];
+    let odometry = odometry.map(|(name, schema)| {
+        recording(name, Flight::in_one_message(), move |flight, log| {
+            put(flight, log, &schema, |time| {
+                let velocity = flight::flu(flight.body_velocity(time));
+                pose(flight, time).xyz("linear_velocity", velocity)
+            });
+        })
+    });
+    let poses = poses.map(|(name, schema)| {
+        recording(name, Flight::without_velocity(), move |flight, log| {
+            put(flight, log, &schema, |time| pose(flight, time));
+        })
+    });
+    let ros = [
+        ("nav_msgs/msg/Odometry", ros2 as fn(&str) -> Schema),
+        ("nav_msgs/Odometry", ros1),
+    ];
+    let ros = ros.map(|(name, schema)| {
+        recording(name, Flight::in_one_message(), move |flight, log| {
+            Ros {
+                flight,
+                log,
+                schema,
+            }
+            .odometry("/any/topic");
+        })
+    });
+    ros.into_iter().chain(odometry).chain(poses).collect()
+}
+
+fn recording(
+    name: &str,
+    flight: Flight,
+    write: impl Fn(&Flight, &mut Logbook) + 'static,
+) -> Recording {
+    Recording::new("nav-msgs", name, flight, write).with_local(1e-9)
+}
+
+fn put(flight: &Flight, log: &mut Logbook, schema: &Schema, wanted: impl Fn(u64) -> Wanted) {
+    let messages = flight
+        .attitude_times
+        .iter()
+        .map(|&time| (time, wanted(time)));
+    log.topic("/any/topic", schema, messages);
+}
+
+fn pose(flight: &Flight, time: u64) -> Wanted {
+    Wanted::new()
+        .xyzw("pose.orientation", ros::attitude(flight, time))
+        .xyz("pose.position", flight::enu(flight::local(time)))
+}
+
+fn protobuf(message: &str) -> Schema {
+    let import = format!("syntax = \"proto3\"; import \"foxglove/{message}.proto\";");
+    Schema::protobuf(&import, &format!("foxglove.{message}"))
+}
+
+fn json(message: &str) -> Schema {
+    let text = definition::read(&format!("foxglove/{message}.json"));
+    Schema::json(&text, &format!("foxglove.{message}"))
+}

@@ -1,0 +1,138 @@
+//! ROS's common messages, in ROS 1 and ROS 2.
+
+use nalgebra::UnitQuaternion;
+
+use super::{
+    definition::Wanted,
+    flight::{self, Flight},
+    logbook::{Logbook, Schema},
+};
+
+/// A log of ROS messages.
+pub struct Ros<'a> {
+    pub flight: &'a Flight,
+    pub log: &'a mut Logbook,
+    /// The type of a message, `geometry_msgs/PoseStamped`.
+    pub schema: fn(&str) -> Schema,
+}
+
+pub fn ros1(message: &str) -> Schema {
+    Schema::ros1("ros1", message)
+}
+
+pub fn ros2(message: &str) -> Schema {
+    Schema::ros2("ros2", message)
+}
+
+pub fn ros2_big_endian(message: &str) -> Schema {
+    ros2(message).big_endian()
+}
+
+impl Ros<'_> {
+    /// Messages of any type at any times.
+    pub fn topic(
+        &mut self,
+        topic: &str,
+        message: &str,
+        times: &[u64],
+        wanted: impl Fn(u64) -> Wanted,
+    ) -> &mut Self {
+        let messages = times.iter().map(|&time| (time, wanted(time)));
+        self.log.topic(topic, &(self.schema)(message), messages);
+        self
+    }
+
+    /// `PoseStamped`: attitude and position in ENU.
+    pub fn pose(&mut self, topic: &str) -> &mut Self {
+        let flight = self.flight;
+        self.topic(
+            topic,
+            "geometry_msgs/PoseStamped",
+            &flight.attitude_times,
+            |time| {
+                Wanted::new()
+                    .xyzw("pose.orientation", attitude(flight, time))
+                    .xyz("pose.position", flight::enu(flight::local(time)))
+            },
+        )
+    }
+
+    /// `GeoPoseStamped`: attitude in ENU, position on the globe.
+    pub fn geopose(&mut self, topic: &str) -> &mut Self {
+        let flight = self.flight;
+        let position =
+            ["latitude", "longitude", "altitude"].map(|name| format!("pose.position.{name}"));
+        let position = position.each_ref().map(String::as_str);
+        self.topic(
+            topic,
+            "geographic_msgs/GeoPoseStamped",
+            &flight.attitude_times,
+            |time| {
+                Wanted::new()
+                    .xyzw("pose.orientation", attitude(flight, time))
+                    .numbers(position, flight::geodetic(time))
+            },
+        )
+    }
+
+    /// `Imu`: attitude in ENU.
+    pub fn imu(&mut self, topic: &str) -> &mut Self {
+        let flight = self.flight;
+        self.topic(topic, "sensor_msgs/Imu", &flight.attitude_times, |time| {
+            Wanted::new().xyzw("orientation", attitude(flight, time))
+        })
+    }
+
+    /// `TwistStamped` with the velocity in ENU.
+    pub fn world_twist(&mut self, topic: &str) -> &mut Self {
+        let flight = self.flight;
+        self.topic(
+            topic,
+            "geometry_msgs/TwistStamped",
+            &flight.velocity_times,
+            |time| Wanted::new().xyz("twist.linear", flight::enu(flight::velocity(time))),
+        )
+    }
+
+    /// `TwistStamped` with the velocity in body FLU.
+    pub fn body_twist(&mut self, topic: &str) -> &mut Self {
+        let flight = self.flight;
+        self.topic(
+            topic,
+            "geometry_msgs/TwistStamped",
+            &flight.velocity_times,
+            |time| Wanted::new().xyz("twist.linear", flight::flu(flight.body_velocity(time))),
+        )
+    }
+
+    /// `Odometry`: attitude and position in ENU, velocity in body FLU.
+    pub fn odometry(&mut self, topic: &str) -> &mut Self {
+        let flight = self.flight;
+        self.topic(topic, "nav_msgs/Odometry", &flight.attitude_times, |time| {
+            Wanted::new()
+                .xyzw("pose.pose.orientation", attitude(flight, time))
+                .xyz("pose.pose.position", flight::enu(flight::local(time)))
+                .xyz(
+                    "twist.twist.linear",
+                    flight::flu(flight.body_velocity(time)),
+                )
+        })
+    }
+
+    /// `NavSatFix`: the position on the globe.
+    pub fn fix(&mut self, topic: &str) -> &mut Self {
+        let flight = self.flight;
+        let fields = ["latitude", "longitude", "altitude"];
+        self.topic(
+            topic,
+            "sensor_msgs/NavSatFix",
+            &flight.position_times,
+            |time| Wanted::new().numbers(fields, flight::geodetic(time)),
+        )
+    }
+}
+
+/// The attitude from FLU to ENU.
+pub fn attitude(flight: &Flight, time: u64) -> UnitQuaternion<f64> {
+    flight::flu_in_enu(flight.attitude(time))
+}
