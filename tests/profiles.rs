@@ -5,7 +5,7 @@ mod comparison;
 mod flights;
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     f64::consts::{FRAC_PI_2, FRAC_PI_6, PI},
 };
 
@@ -24,7 +24,7 @@ use flights::{
     flight::{self, Flight},
     logbook::Logbook,
     recording::Reference,
-    recordings,
+    recording_for, recordings, recordings_for,
 };
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -74,9 +74,7 @@ fn attitudes_in_enu_are_those_of_mavros_and_ardupilot() {
 
 /// Reads the flights of a profile with each convention error that the profile could have. None may go unnoticed.
 fn check_that_errors_show(profile: &str) {
-    let flights: Vec<_> = recordings()
-        .into_iter()
-        .filter(|recording| recording.profile == profile)
+    let flights: Vec<_> = recordings_for(profile)
         .map(|recording| {
             let recording = recording.flying(Flight::beginning);
             let log = recording.log();
@@ -149,69 +147,68 @@ fn every_profile_is_checked_for_errors_in_all_of_its_conventions() {
 
 #[test]
 fn every_topic_that_a_profile_lists_is_found() {
-    let recordings = recordings();
     for profile in Profile::built_in() {
-        let places = (profile.attitude.iter().map(|source| &source.place))
-            .chain(profile.velocity.iter().map(|source| &source.place))
-            .chain(profile.gimbal.iter().map(|source| &source.place))
-            .chain(profile.position.iter().map(|source| &source.place));
-        let lists: BTreeSet<&Vec<String>> = places.map(|place| &place.topics).collect();
-        for list in lists {
-            let topics: Vec<String> = list.iter().map(|topic| topic.replace("{n}", "1")).collect();
+        let recordings: Vec<Recording> = recordings_for(&profile.name).collect();
+        for list in topic_lists(&profile) {
+            let topics: Vec<String> = (list.iter())
+                // All topics of a vehicle have its number; that is a test of its own.
+                .filter(|topic| !topic.contains("{vehicle}"))
+                .map(|topic| topic.replace("{n}", "1"))
+                .collect();
+            let is_listed = |topic: &String| topics.contains(topic);
+            let recording = recordings
+                .iter()
+                .find(|recording| recording.topics().iter().any(is_listed))
+                .unwrap_or_else(|| panic!("no flight has one of {topics:?}"));
+            let expectation = Expectation::of(recording);
             for topic in &topics {
-                let recording = (recordings.iter())
-                    .filter(|recording| recording.profile == profile.name)
-                    .find(|recording| {
-                        recording
-                            .topics()
-                            .iter()
-                            .any(|other| topics.contains(other))
-                    });
-                let recording = recording.unwrap_or_else(|| panic!("no flight with {topic}"));
+                let (topics, instead) = (topics.clone(), topic.clone());
                 let mut log = Logbook::new();
-                let (topic, topics) = (topic.clone(), topics.clone());
-                let name = format!("{} on {topic}", recording.name);
-                log.rename(move |other| match topics.iter().any(|one| one == other) {
-                    true => topic.clone(),
-                    false => other.to_owned(),
-                });
+                log.rename(
+                    move |topic| match topics.iter().any(|listed| listed == topic) {
+                        true => instead.clone(),
+                        false => topic.to_owned(),
+                    },
+                );
                 recording.write(&mut log);
                 let readings = read(&log.finish(), &request(None)).expect("it fits");
                 assert_eq!(readings.profile, profile.name);
-                Expectation::of(recording).check(&name, &readings.samples);
+                let name = format!("{} on {topic}", recording.name);
+                expectation.check(&name, &readings.samples);
             }
         }
     }
 }
 
-/// A recording of which every second message is missing.
-fn thinned(recording: Recording) -> Recording {
-    recording.flying(|flight| flight.only(|time| time / 1_000_000 / 100 % 2 == 0))
+/// The topics of each alternative of each role, where it names any.
+fn topic_lists(profile: &Profile) -> BTreeSet<&Vec<String>> {
+    (profile.attitude.iter().map(|source| &source.place.topics))
+        .chain(profile.velocity.iter().map(|source| &source.place.topics))
+        .chain(profile.gimbal.iter().map(|source| &source.place.topics))
+        .chain(profile.position.iter().map(|source| &source.place.topics))
+        .filter(|topics| !topics.is_empty())
+        .collect()
+}
+
+/// The flight with gaps.
+fn thinned(flight: Flight) -> Flight {
+    flight.only(|time| time / 100_000_000 % 2 == 0)
 }
 
 #[test]
 fn vehicles_in_namespaces_are_told_apart() {
-    let in_namespace = |name: &'static str| move |topic: &str| format!("{name}{topic}");
-    for profile in Profile::built_in()
-        .iter()
-        .filter(|profile| profile.namespaced)
-    {
-        let mut log = Logbook::new();
-        let first = || {
-            recordings()
-                .into_iter()
-                .find(|recording| recording.profile == profile.name)
-        };
+    let profiles = Profile::built_in().into_iter();
+    for profile in profiles.filter(|profile| profile.namespaced) {
+        let flight = || recording_for(&profile.name);
         let vehicles = [
-            ("", first().expect("a flight")),
-            (
-                "/drone1",
-                first().expect("a flight").flying(Flight::beginning),
-            ),
-            ("/fleet/drone2", thinned(first().expect("a flight"))),
+            ("", flight()),
+            ("/drone1", flight().flying(Flight::beginning)),
+            ("/fleet/drone2", flight().flying(thinned)),
         ];
+        let mut log = Logbook::new();
         for (namespace, recording) in &vehicles {
-            log.rename(in_namespace(namespace));
+            let namespace = *namespace;
+            log.rename(move |topic| format!("{namespace}{topic}"));
             recording.write(&mut log);
         }
         let log = log.finish();
@@ -225,100 +222,128 @@ fn vehicles_in_namespaces_are_told_apart() {
             let name = format!("{} in `{namespace}`", recording.name);
             Expectation::of(recording).check(&name, &readings.samples);
         }
-        let error = read(&log, &Request::default()).map(|readings| readings.profile);
-        let error = error.expect_err("there are several");
-        for namespace in ["/drone1", "/fleet/drone2"] {
-            assert!(error.contains(namespace), "{error}");
-        }
+        let chosen = read(&log, &Request::default()).map(|readings| readings.profile);
+        let error = chosen.expect_err("there are several");
+        assert!(
+            error.contains("/drone1") && error.contains("/fleet/drone2"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn vehicles_with_numbers_are_told_apart() {
+    let whole = recording_for("ardupilot-ros2");
+    let short = recording_for("ardupilot-ros2").flying(Flight::beginning);
+    let mut log = Logbook::new();
+    for (number, recording) in [(1, &whole), (12, &short)] {
+        log.rename(move |topic| topic.replace("/ap/", &format!("/ap/v{number}/")));
+        recording.write(&mut log);
+    }
+    let log = log.finish();
+    for (namespace, recording) in [("/ap/v1", &whole), ("/ap/v12", &short)] {
+        let request = Request {
+            namespace: Some(namespace.to_owned()),
+            ..Request::default()
+        };
+        let readings = read(&log, &request).expect("it fits");
+        Expectation::of(recording).check(namespace, &readings.samples);
+    }
+    let chosen = read(&log, &Request::default()).map(|readings| readings.profile);
+    let error = chosen.expect_err("there are two");
+    assert!(error.contains("/ap/v1, /ap/v12"), "{error}");
+}
+
+#[test]
+fn a_vehicle_without_velocity_neither_takes_anothers_nor_yields_to_it() {
+    for (profile, named) in [("ardupilot-ros2", "/ap/v{}/"), ("mavros", "/drone{}/")] {
+        let mut log = Logbook::new();
+        let rename = |number: &str| named.replace("{}", number);
+        let root = ["/ap/", "/"][usize::from(profile == "mavros")];
+        let one = rename("1");
+        log.rename(move |topic| topic.replacen(root, &one, 1));
+        recording_for(profile).write(&mut log);
+        let two = rename("2");
+        log.rename(
+            move |topic| match topic.contains("twist") || topic.contains("velocity") {
+                true => "/elsewhere".to_owned(),
+                false => topic.replacen(root, &two, 1),
+            },
+        );
+        recording_for(profile).write(&mut log);
+        let log = log.finish();
+        let namespace = rename("2").trim_end_matches('/').to_owned();
+        let request = Request {
+            namespace: Some(namespace.clone()),
+            ..Request::default()
+        };
+        let readings = read(&log, &request).expect("it fits");
+        let kinds: BTreeSet<Kind> = readings.samples.iter().map(Sample::kind).collect();
+        assert!(!kinds.contains(&Kind::Velocity), "{profile}: {kinds:?}");
+        let chosen = read(&log, &Request::default()).map(|readings| readings.profile);
+        let error = chosen.expect_err("there are two");
+        assert!(error.contains(&namespace), "{error}");
     }
 }
 
 #[test]
 fn of_a_topic_in_several_versions_the_newest_is_used() {
-    let all = recordings();
-    let recording = all
-        .iter()
-        .find(|recording| recording.profile == "px4-ros2")
-        .expect("a flight");
-    let older = thinned(
-        recordings().remove(
-            all.iter()
-                .position(|other| other.name == recording.name)
-                .expect("it"),
-        ),
-    );
-    let version = |version: &'static str| {
-        move |topic: &str| format!("{}{version}", topic.trim_end_matches("_v1"))
-    };
+    let newest = recording_for("px4-ros2");
+    let older = recording_for("px4-ros2").flying(thinned);
     let mut log = Logbook::new();
-    for (recording, suffix) in [
-        (&older, ""),
-        (&older, "_v2"),
-        (recording, "_v10"),
-        (&older, "_v9"),
+    for (version, recording) in [
+        ("", &older),
+        ("_v2", &older),
+        ("_v10", &newest),
+        ("_v9", &older),
     ] {
-        log.rename(version(suffix));
+        log.rename(move |topic| format!("{}{version}", topic.trim_end_matches("_v1")));
         recording.write(&mut log);
     }
     let readings = read(&log.finish(), &request(None)).expect("it fits");
-    Expectation::of(recording).check("the newest version", &readings.samples);
+    Expectation::of(&newest).check("the newest version", &readings.samples);
 }
 
 #[test]
 fn what_cannot_be_used_is_dropped_and_counted() {
-    let count = |name: &str, kind: Kind, reason: DropReason| {
+    let dropped = |name: &str, kind: Kind| {
         let recording = recordings()
             .into_iter()
-            .find(|recording| recording.name.ends_with(name));
-        let recording = recording.expect("a flight");
-        let readings = read(&recording.log(), &request(None)).expect("it fits");
-        readings.dropped[kind]
-            .dropped
-            .get(&reason)
-            .copied()
-            .unwrap_or_default()
+            .find(|recording| recording.name == name);
+        let log = recording.expect("a flight").log();
+        let mut readings = read(&log, &request(None)).expect("it fits");
+        std::mem::take(&mut readings.dropped[kind].dropped)
     };
+    let invalid = Flight::new().invalid_times.len() as u64;
+    let velocities = Flight::new().velocity_times.len() as u64;
+    let positions = Flight::new().position_times.len() as u64;
+
     let odometry = "px4-ros2: odometry in NED and in body FRD";
-    assert_eq!(
-        count(odometry, Kind::Attitude, DropReason::UnknownFrame),
-        18
-    );
-    assert_eq!(
-        count(odometry, Kind::Velocity, DropReason::UnknownFrame),
-        18
-    );
+    let unknown = BTreeMap::from([(DropReason::UnknownFrame, invalid)]);
+    assert_eq!(dropped(odometry, Kind::Attitude), unknown);
+    assert_eq!(dropped(odometry, Kind::Velocity), unknown);
+
+    // Its messages are valid for a velocity or for a position, or for neither.
     let local_position = "px4-ros2: 1.13";
+    let marked = |count| BTreeMap::from([(DropReason::MarkedInvalid, count)]);
+    assert_eq!(dropped(local_position, Kind::Attitude), BTreeMap::new());
     assert_eq!(
-        count(local_position, Kind::Attitude, DropReason::MarkedInvalid),
-        0
-    );
-    // Those marked invalid, and those that have only the other of velocity and position.
-    assert_eq!(
-        count(local_position, Kind::Velocity, DropReason::MarkedInvalid),
-        18 + 19
+        dropped(local_position, Kind::Velocity),
+        marked(invalid + positions)
     );
     assert_eq!(
-        count(local_position, Kind::Position, DropReason::MarkedInvalid),
-        18 + 38
+        dropped(local_position, Kind::Position),
+        marked(invalid + velocities)
     );
-    assert_eq!(
-        count(
-            "Foxglove's Python converter",
-            Kind::Position,
-            DropReason::MarkedInvalid
-        ),
-        18
-    );
+
+    let global_position = "px4-ros2: attitude and local position";
+    assert_eq!(dropped(global_position, Kind::Position), marked(invalid));
 }
 
 #[test]
 fn a_gimbal_may_be_told_in_any_axes_from_any_reference() {
-    let as_it_is = |q| q;
-    let axes: [(
-        &str,
-        Reference,
-        fn(UnitQuaternion<f64>) -> UnitQuaternion<f64>,
-    ); 6] = [
+    let as_it_is: fn(UnitQuaternion<f64>) -> UnitQuaternion<f64> = |q| q;
+    let axes = [
         ("earth:frd-ned", Reference::Earth, as_it_is),
         ("earth:flu-enu", Reference::Earth, flight::flu_in_enu),
         ("heading:frd-ned", Reference::Heading, as_it_is),
@@ -349,10 +374,8 @@ fn flat_log_with(
     topic: &str,
     messages: impl IntoIterator<Item = (u64, serde_json::Value)>,
 ) -> Vec<u8> {
-    let all = recordings();
-    let flat = all.iter().find(|recording| recording.profile == "flat");
     let mut log = Logbook::new();
-    flat.expect("a flight").write(&mut log);
+    recording_for("flat").write(&mut log);
     log.json(topic, None, messages);
     log.finish()
 }

@@ -119,17 +119,13 @@ impl<'a> Finder<'a> {
         }
         let mut namespaces = BTreeSet::new();
         if profile.namespaced {
-            let patterns = || {
-                profile
-                    .attitude
-                    .iter()
-                    .flat_map(|source| &source.place.topics)
-            };
-            for pattern in patterns().map(|text| Pattern::new("", text)) {
-                let within = self
-                    .topics
-                    .keys()
-                    .filter_map(|topic| pattern.namespace_of(topic));
+            let places = profile.attitude.iter().map(|source| &source.place);
+            for pattern in places
+                .flat_map(|place| &place.topics)
+                .map(|topic| Pattern::new(topic))
+            {
+                let topics = self.topics.keys();
+                let within = topics.filter_map(|topic| pattern.namespace_of(topic));
                 namespaces.extend(within.map(str::to_owned));
             }
         }
@@ -265,11 +261,11 @@ impl<'a> Finder<'a> {
         let mut patterns = Vec::new();
         for alternative in A::of(profile) {
             let place = alternative.place();
-            let of_alternative = (place.topics.iter()).map(|topic| Pattern::new(namespace, topic));
+            let of_alternative = place.topics.iter().map(|topic| Pattern::new(topic));
             let of_alternative: Vec<Pattern> = of_alternative.collect();
             let named = of_alternative
                 .iter()
-                .flat_map(|pattern| pattern.matches(self.topics.keys().copied()));
+                .flat_map(|pattern| pattern.matches(namespace, self.topics.keys().copied()));
             let own = own.filter(|_| place.topics.is_empty());
             for topic in named.chain(own) {
                 match self.bind::<A>(profile, namespace, topic, own) {
@@ -287,7 +283,9 @@ impl<'a> Finder<'a> {
             }
             patterns.extend(of_alternative);
         }
-        let names: Vec<String> = patterns.iter().map(Pattern::to_string).collect();
+        let names: Vec<String> = (patterns.iter())
+            .map(|pattern| pattern.describe(namespace))
+            .collect();
         Ok(Err(Missing {
             is_fault: fault.is_some(),
             reason: fault.unwrap_or_else(|| match (names.as_slice(), own) {
@@ -328,7 +326,7 @@ impl<'a> Finder<'a> {
         let topic = channel.topic.as_str();
         let is_at_topic = |place: &Place| match place.topics.as_slice() {
             [] => own == Some(topic),
-            topics => (topics.iter()).any(|text| Pattern::new(namespace, text).is_match(topic)),
+            topics => (topics.iter()).any(|text| Pattern::new(text).is_match(namespace, topic)),
         };
         let schema = self.log.contents.schema_of(channel);
         let name = schema.map_or("", |schema| schema.name.as_str());

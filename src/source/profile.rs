@@ -67,7 +67,8 @@ pub struct Profile {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
 pub struct Place {
-    /// Topics in order of preference; `{n}` in one stands for any number, the largest first. Empty: for an
+    /// Topics in order of preference; `{n}` in one stands for any number, the largest first, `{vehicle}` for a
+    /// vehicle's number, which with all that comes before it is the vehicle's namespace. Empty: for an
     /// attitude any one topic whose messages have all of the fields, else the attitude's own messages.
     pub topics: Vec<String>,
     /// The names of message types, of which a channel must have one. Empty: any. A `/msg/` within makes no

@@ -103,9 +103,17 @@ impl Source {
                 }
             });
         };
-        let (best, rest): (Vec<_>, Vec<_>) = fits
-            .into_iter()
-            .partition(|(profile, fit)| fit.rank(profile) == best);
+        let is_best = |(profile, fit): &(&Profile, Fit)| fit.rank(profile) == best;
+        let best_profiles: BTreeSet<String> = (fits.iter())
+            .filter(|fit| is_best(fit))
+            .map(|(profile, _)| profile.name.clone())
+            .collect();
+        let (best, rest): (Vec<_>, Vec<_>) = fits.into_iter().partition(|(profile, fit)| {
+            // Which of several vehicles is meant does not follow from what is known of them.
+            let is_vehicle = specificity(profile) == Specificity::Topic;
+            best_profiles.contains(&profile.name)
+                && (is_vehicle || is_best(&(profile, fit.clone())))
+        });
         let [(profile, fit)] = best.as_slice() else {
             return Err(ambiguity(log, &best));
         };

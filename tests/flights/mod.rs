@@ -36,3 +36,16 @@ pub fn recordings() -> Vec<Recording> {
     ];
     groups.into_iter().flatten().collect()
 }
+
+/// The ways to record it that one profile should understand.
+pub fn recordings_for(profile: &str) -> impl Iterator<Item = Recording> {
+    recordings()
+        .into_iter()
+        .filter(move |recording| recording.profile == profile)
+}
+
+/// The first of them.
+pub fn recording_for(profile: &str) -> Recording {
+    let first = recordings_for(profile).next();
+    first.unwrap_or_else(|| panic!("no recording for {profile}"))
+}
