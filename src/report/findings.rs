@@ -5,11 +5,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use mcap::records::Statistics;
+
 use super::{
     CameraReport, EncodingReport, MissingTopic, ProfileReport, Report, SampleReport, WrittenTopic,
     ros2,
 };
-use crate::transform::Breaks;
 use crate::{
     camera::Camera,
     derived::Quantity,
@@ -17,7 +18,7 @@ use crate::{
     options::Options,
     sample::{Kind, Tallies, Tally},
     source::{Source, profile::ProfileChoice},
-    transform::Outcome,
+    transform::{Breaks, Outcome},
     writer::Appended,
 };
 
@@ -140,7 +141,7 @@ impl<'a> Findings<'a> {
             Quantity::ALL.into_iter().partition(has_messages);
         let reason = self.source.attitude().reason();
         Report {
-            notes: self.notes(&output),
+            notes: self.notes(&output, &appended),
             input: self.log.file.path().into(),
             output,
             profile: ProfileReport {
@@ -197,7 +198,7 @@ impl<'a> Findings<'a> {
             .sum()
     }
 
-    fn notes(&self, output: &Path) -> Vec<String> {
+    fn notes(&self, output: &Path, appended: &Appended) -> Vec<String> {
         let log = self.log;
         let end = match (log.breaks_off_at, log.scanned) {
             (Some(offset), _) if offset == log.file.len() => Some(
@@ -240,7 +241,19 @@ impl<'a> Findings<'a> {
                 gimbal.topic
             )
         });
-        let notes = [end, loose, undecodable, ignored, self.source.suspicion()];
+        let Statistics {
+            message_start_time: start,
+            message_end_time: end_time,
+            ..
+        } = log.contents.statistics;
+        let (earliest, latest) = appended.times;
+        let elsewhere = (latest < start || earliest > end_time).then(|| {
+            "the times of the samples lie outside those of the log, so its player shows the new topics elsewhere; \
+             --time says what the time of a sample is"
+                .to_owned()
+        });
+        let suspicion = self.source.suspicion();
+        let notes = [end, loose, undecodable, ignored, elsewhere, suspicion];
         let ros2 = ros2::notes(log, output, self.options.encoding, self.encoding.name);
         notes.into_iter().flatten().chain(ros2).collect()
     }

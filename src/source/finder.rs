@@ -367,14 +367,15 @@ impl<'a> Finder<'a> {
     ) -> Result<BTreeMap<u16, ChannelSource>, Error> {
         let others =
             (fit.others.iter()).filter_map(|(&kind, role)| Some((kind, role.as_ref().ok()?)));
-        let roles: Vec<(Kind, &RoleSource)> =
+        // In the order of kinds, in which the samples of one message belong.
+        let roles: BTreeMap<Kind, &RoleSource> =
             others.chain([(Kind::Attitude, &fit.attitude)]).collect();
-        let topics: BTreeSet<&str> = roles.iter().map(|(_, role)| role.topic.as_str()).collect();
+        let topics: BTreeSet<&str> = roles.values().map(|role| role.topic.as_str()).collect();
         let mut channels = BTreeMap::new();
         for channel in topics.iter().flat_map(|topic| &self.topics[topic]) {
             let kinds = (roles.iter())
                 .filter(|(_, role)| role.topic == channel.topic)
-                .map(|&(kind, _)| kind);
+                .map(|(&kind, _)| kind);
             let source = self.channel_source(profile, fit, channel, kinds);
             channels.insert(
                 channel.id,

@@ -47,6 +47,7 @@ pub struct Appender<'a> {
     /// The chunk indexes of chunks that had no message indexes until now, by the chunks' offsets.
     reindexed: BTreeMap<u64, ChunkIndex>,
     channels: BTreeMap<Quantity, NewChannel>,
+    times: (u64, u64),
     /// The ids of the new channels' schemas, by name.
     schemas: BTreeMap<&'static str, u16>,
     /// The ids that are in use, the new ones included.
@@ -65,6 +66,8 @@ struct NewChannel {
 pub struct Appended {
     /// Messages by quantity. One without messages has no channel.
     pub messages: BTreeMap<Quantity, u64>,
+    /// Log times of the earliest and the latest message; the earliest is later than the latest if there is none.
+    pub times: (u64, u64),
     /// Bytes taken over from the log as they were.
     pub copied: u64,
     /// Bytes behind them.
@@ -117,6 +120,7 @@ impl<'a> Appender<'a> {
             seal,
             reindexed,
             channels: BTreeMap::new(),
+            times: (u64::MAX, 0),
             schemas: BTreeMap::new(),
             schema_ids: log.contents.schema_ids(),
             channel_ids: log.contents.channel_ids(),
@@ -145,6 +149,8 @@ impl<'a> Appender<'a> {
             publish_time: derived.stamp.publish_time,
         };
         channel.messages += 1;
+        let (earliest, latest) = self.times;
+        self.times = (earliest.min(header.log_time), latest.max(header.log_time));
         self.payload.clear();
         let encoding = self.format.encoding;
         encoding.encode(derived, &mut self.payload);
@@ -201,6 +207,7 @@ impl<'a> Appender<'a> {
             messages: (self.channels.iter())
                 .map(|(&quantity, channel)| (quantity, channel.messages))
                 .collect(),
+            times: self.times,
             copied: log.data_end,
             appended: position + end.len() as u64 - log.data_end,
         })
