@@ -411,6 +411,21 @@ fn what_ros2_tools_refuse_is_noted_when_it_was_asked_for() {
 }
 
 #[test]
+fn a_real_ros2_log_stays_one_that_ros2_tools_read_unless_asked_otherwise() {
+    let Some(folder) = real_logs() else { return };
+    let log = fs::read(folder.join("test_ulog.ros2.mcap")).expect("the log");
+    let (_, report) = enrich_bytes(&log).expect("a result");
+    assert_eq!(report.encoding.name, Encoding::Ros2);
+    assert!(report.notes.is_empty(), "{:?}", report.notes);
+    for encoding in [Encoding::Protobuf, Encoding::Json] {
+        let (_, report) = enriched(&log, encoding);
+        let mut notes = report.notes.iter();
+        let advice = notes.find(|note| note.contains("use --encoding ros2"));
+        assert!(advice.is_some(), "{:?}", report.notes);
+    }
+}
+
+#[test]
 fn a_result_in_or_from_the_folder_of_a_ros2_bag_says_how_to_list_it() {
     let bag = "# a comment\nrosbag2_bagfile_information:\n  version: 9\n";
     let other = "name: rosbag2_bagfile_information\n";

@@ -152,8 +152,13 @@ fn both_readers_find_every_message_of_the_real_logs() {
     let (Some(readers), Some(folder)) = (readers(), real_logs()) else {
         return;
     };
-    for log in ["test_ulog", "sample_px4_events", "sample_log_small"] {
-        have_judged(&readers, &folder.join(log).with_extension("mcap"));
+    for log in [
+        "test_ulog.mcap",
+        "test_ulog.ros2.mcap",
+        "sample_px4_events.mcap",
+        "sample_log_small.mcap",
+    ] {
+        have_judged(&readers, &folder.join(log));
     }
 }
 
@@ -289,4 +294,10 @@ fn rosbags_reads_ros2_messages_from_a_ros2_file() {
     let input = folder.path().join("log.mcap");
     fs::write(&input, shape.write()).expect("the log is written");
     have_decoded(&python[0], &input, Encoding::Ros2, "rosbags");
+    if let Some(real) = real_logs() {
+        let input = real.join("test_ulog.ros2.mcap");
+        for library in ["rosbags", "mcap"] {
+            have_decoded(&python[0], &input, Encoding::Ros2, library);
+        }
+    }
 }

@@ -5,7 +5,7 @@ mod common;
 use std::fs;
 
 use common::{message::Said, *};
-use flightcam::Report;
+use flightcam::{Report, messages::Encoding};
 
 /// A row of the expectations: topic, log time, three numbers.
 type Row = (String, u64, [f64; 3]);
@@ -44,10 +44,15 @@ fn derived(messages: Vec<Read>) -> Vec<Row> {
 
 /// Checks a real log's result against the expectations to 1e-9; `None` where there are no real logs.
 fn check(name: &str) -> Option<Report> {
+    check_against(name, name)
+}
+
+/// The same where the expectations are those of a log of another name.
+fn check_against(name: &str, expectations: &str) -> Option<Report> {
     let folder = real_logs()?;
-    let log = fs::read(folder.join(name).with_extension("mcap")).expect("the log");
-    let csv =
-        fs::read_to_string(folder.join(name).with_extension("expected.csv")).expect("the numbers");
+    let log = fs::read(folder.join(format!("{name}.mcap"))).expect("the log");
+    let csv = folder.join(format!("{expectations}.expected.csv"));
+    let csv = fs::read_to_string(csv).expect("the numbers");
     let (result, report) = enrich_bytes(&log).expect("the log is enriched");
 
     let mut expected = expected(&csv);
@@ -74,6 +79,19 @@ fn a_real_flight_gives_every_rotation_and_velocity() {
         return;
     };
     assert_eq!(report.profile.name, "px4-ulog");
+    assert_eq!(
+        (report.attitude.tally.used, report.velocity.tally.used),
+        (131, 66)
+    );
+}
+
+#[test]
+fn the_same_flight_recorded_in_ros2_gives_the_same() {
+    let Some(report) = check_against("test_ulog.ros2", "test_ulog") else {
+        return;
+    };
+    assert_eq!(report.profile.name, "px4-ros2");
+    assert_eq!(report.encoding.name, Encoding::Ros2);
     assert_eq!(
         (report.attitude.tally.used, report.velocity.tally.used),
         (131, 66)

@@ -294,7 +294,7 @@ impl<'de> DeserializeSeed<'de> for NodeSeed<'_> {
             FieldTree::Leaf(leaf) => {
                 let words = leaf.words.as_deref();
                 let slot = &mut slots.values[leaf.slot];
-                deserializer.deserialize_any(LeafVisitor { words, slot })
+                LeafVisitor { words, slot }.deserialize(deserializer)
             }
         }
     }
@@ -339,6 +339,14 @@ impl<'de> Visitor<'de> for ElementsVisitor<'_> {
 struct LeafVisitor<'a> {
     words: Option<&'a [String]>,
     slot: &'a mut FieldValue,
+}
+
+impl<'de> DeserializeSeed<'de> for LeafVisitor<'_> {
+    type Value = ();
+
+    fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
 }
 
 impl<'de> Visitor<'de> for LeafVisitor<'_> {
@@ -386,9 +394,16 @@ impl<'de> Visitor<'de> for LeafVisitor<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
         self.slot.set_empty_list();
-        while let Some(number) = seq.next_element::<Option<f64>>()? {
-            self.slot.push(number.unwrap_or(f64::NAN));
+        let mut element = FieldValue::default();
+        loop {
+            let (words, slot) = (None, &mut element);
+            if seq
+                .next_element_seed(LeafVisitor { words, slot })?
+                .is_none()
+            {
+                return Ok(());
+            }
+            self.slot.push(element.number().unwrap_or(f64::NAN));
         }
-        Ok(())
     }
 }

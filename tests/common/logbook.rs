@@ -8,7 +8,7 @@ use flightcam::{
     geometry::DepressionAngle,
     log::Log,
     reader::Reader,
-    sample::{Sample, Tallies, Tally},
+    sample::{Kind, Sample, Tallies, Tally, Velocity},
     source::{
         Source,
         profile::{Profile, ProfileChoice},
@@ -20,6 +20,9 @@ use prost::Message;
 use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor};
 
 use super::{DERIVED, Read, message::Said, ros::Wire, stream};
+
+/// Velocities, and why how many others are dropped; or why none can be had.
+pub type Found = Result<(Vec<[f64; 3]>, Vec<(&'static str, u64)>), String>;
 
 /// A log in the making, and the folder that it is read in.
 pub struct Logbook {
@@ -127,6 +130,19 @@ impl Logbook {
         let mut reader = Reader::new(&log, source);
         let samples = reader.by_ref().collect::<Result<_, _>>()?;
         Ok((samples, reader.finish().1))
+    }
+
+    /// The velocities that a profile finds in the log, in NED.
+    pub fn velocities(self, profile: &str) -> Found {
+        let (samples, tallies) = self.samples(profile).map_err(|error| error.to_string())?;
+        let velocities = samples.iter().filter_map(|sample| match sample {
+            Sample::Velocity(sample) => match sample.velocity {
+                Velocity::Ned(velocity) => Some(velocity.into()),
+                Velocity::Frd(_) => panic!("the profile says NED"),
+            },
+            _ => None,
+        });
+        Ok((velocities.collect(), dropped(&tallies[Kind::Velocity])))
     }
 
     /// The log as a file, and the folder that it lies in.
