@@ -61,12 +61,14 @@ pub enum Error {
     SeveralTopicsFit { path: PathBuf, topics: Vec<String> },
 
     #[error(
-        "{}: the profiles {} fit equally well; choose one, for instance with --profile {}",
-        path.display(), profiles.join(" and "), profiles[0]
+        "{}: several profiles fit equally well; choose one, for instance with --profile {}{}",
+        path.display(), fits[0].0,
+        fits.iter().map(|(profile, topic)| format!("\n  {profile}: {topic}")).collect::<String>()
     )]
     SeveralProfilesFit {
         path: PathBuf,
-        profiles: Vec<String>,
+        /// Each profile and the topic where it finds the attitude.
+        fits: Vec<(String, String)>,
     },
 
     #[error(
@@ -79,6 +81,21 @@ pub enum Error {
         path: PathBuf,
         /// The prefixes of their topics; empty for the one without.
         namespaces: Vec<String>,
+    },
+
+    #[error("{}: there is no topic in the namespace {namespace}\n{topics}", path.display())]
+    NoSuchNamespace {
+        path: PathBuf,
+        namespace: String,
+        topics: String,
+    },
+
+    #[error("{}: --{role} does not fit: {problem}\n{topics}", path.display())]
+    RoleDoesNotFit {
+        path: PathBuf,
+        role: &'static str,
+        problem: String,
+        topics: String,
     },
 
     #[error("{}: the profile `{profile}` does not fit: {problem}", path.display())]

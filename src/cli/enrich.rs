@@ -27,14 +27,19 @@ use super::{
     telemetry::{EXAMPLES, TelemetryArguments},
 };
 
-const EXAMPLE: &str = "Example:\n  flightcam enrich flight.mcap --depression 30";
+const USUAL: &str = "\
+Examples:
+  flightcam enrich flight.mcap                       a gimbal whose angles the log has
+  flightcam enrich flight.mcap --depression 30       a gimbal held 30° below the horizon
+  flightcam enrich flight.mcap --mount 0,-30,0       a camera bolted to the airframe";
 
 /// Write a log again with /camera/relative_rpy and /camera/velocity
 ///
-/// Every byte of the log's data is kept as it is; the new channels lie behind it.
+/// The log stays as it is. The result is a new file with every byte of the log's data unchanged and the new
+/// channels behind it.
 #[derive(Debug, Args)]
-#[command(override_usage = "flightcam enrich <INPUT> --depression <DEG> [OPTIONS]")]
-#[command(after_help = EXAMPLE, after_long_help = format!("{EXAMPLE}\n\n{EXAMPLES}"))]
+#[command(override_usage = "flightcam enrich <INPUT> [--depression <DEG>] [OPTIONS]")]
+#[command(after_help = USUAL, after_long_help = format!("{USUAL}\n\n{EXAMPLES}"))]
 pub struct Arguments {
     /// The flight log, an MCAP file
     input: PathBuf,
@@ -43,17 +48,11 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE", value_parser = file_name())]
     output: Option<PathBuf>,
 
-    #[command(flatten)]
-    camera: CameraArguments,
-
     /// The longest time between two attitude samples that still belong together
     #[arg(long, value_name = "SECONDS", value_parser = max_gap, default_value = "5", allow_negative_numbers = true)]
     max_gap: MaxGap,
 
-    #[command(flatten)]
-    telemetry: TelemetryArguments,
-
-    /// In which language the new messages are written
+    /// How the new messages are encoded
     #[arg(long, value_enum, default_value = "auto")]
     encoding: EncodingArgument,
 
@@ -68,6 +67,13 @@ pub struct Arguments {
     /// Print the report as JSON
     #[arg(long)]
     json: bool,
+
+    // Last, because their headings hold for all that follows.
+    #[command(flatten)]
+    camera: CameraArguments,
+
+    #[command(flatten)]
+    telemetry: TelemetryArguments,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

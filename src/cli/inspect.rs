@@ -30,15 +30,16 @@ pub struct Arguments {
     /// The flight log, an MCAP file
     input: PathBuf,
 
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+
+    // Last, because their headings hold for all that follows.
     #[command(flatten)]
     camera: CameraArguments,
 
     #[command(flatten)]
     telemetry: TelemetryArguments,
-
-    /// Print what was found as JSON
-    #[arg(long)]
-    json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {

@@ -15,22 +15,37 @@ use flightcam::{
 /// What is printed below the help, where a path is wanted.
 pub const EXAMPLES: &str = "\
 Telemetry that no profile knows:
-  Each of --attitude, --velocity, --gimbal and --position takes message paths as in Foxglove,
-  /topic.field.sub[2], joined by commas, and behind colons the unit and the convention:
+  --attitude, --velocity, --gimbal and --position take message paths as in
+  Foxglove, /topic.field.sub[2], joined by commas; behind them, after colons,
+  stand the unit and the axes. For a log whose names nobody has foreseen:
 
-  --attitude /imu.roll,/imu.pitch,/imu.yaw:degrees   roll, pitch, yaw (radians, degrees, centidegrees)
-  --attitude /pose.orientation:flu-enu               a message with w, x, y, z; ROS axes
-  --attitude /att.q:xyzw                             a list of four, the scalar part last
+    flightcam enrich flight.mcap --depression 30 \\
+      --attitude /imu.roll,/imu.pitch,/imu.yaw:degrees \\
+      --velocity /gps.vel.n,/gps.vel.e,/gps.vel.d:ned:cm/s
+
+  --attitude /imu.roll,/imu.pitch,/imu.yaw:degrees
+      three angles, in radians, degrees or centidegrees
+  --attitude /pose.orientation:flu-enu
+      a message with w, x, y, z, in the axes of ROS
+  --attitude /att.q:xyzw
+      a list of four numbers, the scalar part last (wxyz, first, if not told)
   --velocity /gps.vel.n,/gps.vel.e,/gps.vel.d:ned:cm/s
-  --velocity /twist.linear:body-flu                  a message with x, y, z, or a list of three
-  --gimbal   /gimbal.pitch:degrees                   the camera's pitch over the horizon (`:down` below it)
-  --gimbal   /gimbal.q:earth                         its whole attitude, measured from NED
-                                                     (heading: from the nose; airframe: joint angles)
-  --position /gps.lat,/gps.lon,/gps.alt:degE7:mm     or x, y, z with :ned or :enu
+      three numbers; axes ned, enu, body-frd or body-flu; m/s, cm/s or mm/s
+  --velocity /twist.linear:body-flu
+      a message with x, y, z, or a list of three numbers
+  --gimbal /gimbal.pitch:degrees
+      the camera's pitch alone, positive up (with :down, positive down)
+  --gimbal /gimbal.q:earth
+      the camera's whole orientation, in any of the forms of an attitude, and
+      what it is measured from: earth (north and horizon), heading (the drone's
+      nose and the horizon) or airframe (the angles of the joints)
+  --position /gps.lat,/gps.lon,/gps.alt:degE7:mm
+      latitude, longitude, altitude, or x, y, z with :ned or :enu
 
-  A topic alone, --attitude /odom, leaves the fields to the profile.
-  Axes: frd-ned (front, right, down in north, east, down; the default) or flu-enu (ROS); for a velocity
-  ned, enu, body-frd or body-flu. In a shell, put quotes around paths with brackets.";
+  Orientations turn from front, right, down to north, east, down (frd-ned, if
+  not told), or from front, left, up to east, north, up (flu-enu, as in ROS).
+  A topic alone, as in --attitude /odom, leaves the fields to the profile.
+  Put quotes around paths with brackets, or the shell takes them for a pattern.";
 
 /// Where the telemetry is
 #[derive(Debug, Args)]
@@ -41,28 +56,28 @@ pub struct TelemetryArguments {
     #[arg(long, value_name = "NAME|FILE")]
     profile: Option<String>,
 
-    /// Which vehicle, where a log has several: the prefix of its topics, as /drone1; / is the one without
+    /// Which vehicle, where a log has several: the prefix of its topics, as in /drone1; / is the one without
     #[arg(long, value_name = "PREFIX", value_parser = namespace)]
     namespace: Option<String>,
 
-    /// Where the drone's attitude is, if not where the profile says
+    /// Where the drone's attitude is, if not where the profile says, as in /pose.orientation:flu-enu
     #[arg(long, value_name = "PATHS[:CONVENTION]")]
     attitude: Option<RoleArgument<AttitudeSource>>,
 
-    /// Where its velocity over ground is
+    /// Where the drone's velocity over ground is, as in /gps.vel:ned
     #[arg(long, value_name = "PATHS:AXES[:UNIT]")]
     velocity: Option<RoleArgument<VelocitySource>>,
 
-    /// Where the angles of a gimbal that moves are
+    /// Where the angles of a gimbal that moves are, as in /gimbal.pitch:degrees; the camera follows them
     #[arg(long, value_name = "PATHS:UNIT|REFERENCE")]
     gimbal: Option<RoleArgument<GimbalSource>>,
 
-    /// Where the drone's position is
+    /// Where the drone's position is, as in /gps.lat,/gps.lon,/gps.alt:degrees
     #[arg(long, value_name = "PATHS:UNIT|AXES")]
     position: Option<RoleArgument<PositionSource>>,
 
-    /// What the time of a sample is: log, publish, or a field of the message with its unit (s, ms, us, ns), as
-    /// header.stamp or time_usec:us [default: the profile's, mostly log]
+    /// What the time of a sample is: when it was logged, when it was published, or what a field of the message
+    /// says in s, ms, us or ns, as in header.stamp or time_usec:us [default: as the profile says, mostly log]
     #[arg(long, value_name = "log|publish|FIELD[:UNIT]")]
     time: Option<TimeSource>,
 }

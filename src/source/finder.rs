@@ -1,5 +1,7 @@
 //! Looking for a profile's telemetry in a log.
 
+mod told;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::Channel;
@@ -13,9 +15,9 @@ use super::{
     examples::Examples,
     path::FieldPath,
     profile::{AttitudeSource, GimbalSource, Place, PositionSource, Profile, VelocitySource},
-    request::Request,
+    request::{Request, Told},
     schema::Schema,
-    topic::Pattern,
+    topic::{Pattern, channels_with_messages},
     unresolved::{Unresolved, quote},
 };
 use crate::{error::Error, log::Log, sample::Kind};
@@ -66,7 +68,7 @@ pub struct Finder<'a> {
     /// The only namespace in which to look.
     namespace: Option<&'a str>,
     /// What the user has told where to find.
-    required: Vec<Kind>,
+    told: BTreeMap<Kind, Told<'a>>,
 }
 
 impl<'a> Finder<'a> {
@@ -81,7 +83,7 @@ impl<'a> Finder<'a> {
             examples,
             topics,
             namespace: request.namespace.as_deref(),
-            required: request.told_roles(),
+            told: request.told(),
         }
     }
 
@@ -99,7 +101,7 @@ impl<'a> Finder<'a> {
         for namespace in self.namespaces(profile) {
             let fit = match self.choose::<AttitudeSource>(profile, &namespace, None)? {
                 Ok(attitude) => self.complete(profile, &namespace, attitude)?,
-                Err(missing) => Err(missing.reason),
+                Err(missing) => Err(self.misfit(Kind::Attitude, &missing)?),
             };
             match fit {
                 Ok(fit) => fits.push(fit),
@@ -119,15 +121,15 @@ impl<'a> Finder<'a> {
         }
         let mut namespaces = BTreeSet::new();
         if profile.namespaced {
-            let places = profile.attitude.iter().map(|source| &source.place);
-            for pattern in places
-                .flat_map(|place| &place.topics)
-                .map(|topic| Pattern::new(topic))
-            {
-                let topics = self.topics.keys();
-                let within = topics.filter_map(|topic| pattern.namespace_of(topic));
+            for pattern in self.telling_topics(profile) {
+                let within = (self.topics.keys()).filter_map(|topic| pattern.namespace_of(topic));
                 namespaces.extend(within.map(str::to_owned));
             }
+        }
+        if let Some(told) = self.told.get(&Kind::Attitude) {
+            let is_near =
+                |namespace: &String| (told.topics.iter()).any(|topic| is_within(topic, namespace));
+            namespaces.retain(is_near);
         }
         if namespaces.is_empty() {
             namespaces.insert(String::new());
@@ -139,7 +141,9 @@ impl<'a> Finder<'a> {
     fn fit_by_fields(&self, profile: &Profile) -> Result<Result<Vec<Fit>, String>, Error> {
         let namespace = self.namespace.unwrap_or_default();
         let mut fits = Vec::new();
+        let mut misfit = None;
         let mut nearest: Option<(&str, Unresolved)> = None;
+        let mut opaque: Option<(&str, Unresolved)> = None;
         for topic in self
             .topics
             .keys()
@@ -151,10 +155,13 @@ impl<'a> Finder<'a> {
                     let attitude = RoleSource { topic, fields };
                     match self.complete(profile, namespace, attitude)? {
                         Ok(fit) => fits.push(fit),
-                        Err(reason) => return Ok(Err(reason)),
+                        Err(reason) => misfit = misfit.or(Some(reason)),
                     }
                 }
                 Err(Unresolved::Unreadable(error)) => return Err(error),
+                Err(unresolved) if unresolved.is_opaque() => {
+                    opaque = opaque.or(Some((topic, unresolved)));
+                }
                 Err(unresolved) => {
                     let lacks = unresolved.lacks();
                     if lacks
@@ -167,15 +174,19 @@ impl<'a> Finder<'a> {
                 }
             }
         }
-        if !fits.is_empty() {
-            return Ok(Ok(fits));
+        match misfit {
+            _ if !fits.is_empty() => return Ok(Ok(fits)),
+            Some(reason) => return Ok(Err(reason)),
+            None => {}
         }
         let wanted = required_fields(profile);
-        let nearest = match nearest {
-            Some((topic, unresolved)) if unresolved.lacks() < wanted.len() => {
-                format!("; {topic} comes closest: {unresolved}")
+        let nearest = nearest.filter(|(_, unresolved)| unresolved.lacks() < wanted.len());
+        let nearest = match (nearest, opaque) {
+            (Some((topic, unresolved)), _) => format!("; {topic} comes closest: {unresolved}"),
+            (None, Some((topic, unresolved))) => {
+                format!("; what {topic} has is not known: {unresolved}")
             }
-            _ => String::new(),
+            (None, None) => String::new(),
         };
         let schemas = &profile.attitude[0].place.schemas;
         Ok(Err(match schemas.as_slice() {
@@ -190,7 +201,8 @@ impl<'a> Finder<'a> {
         }))
     }
 
-    /// Resolves what the messages of any one topic must have: the attitude, and the velocity if that is required.
+    /// Resolves what the messages of any one topic must have: the attitude, and the velocity if that is required
+    /// and not told to be elsewhere.
     fn bind_data_point(
         &self,
         profile: &Profile,
@@ -198,7 +210,7 @@ impl<'a> Finder<'a> {
         topic: &str,
     ) -> Result<Vec<FieldPath>, Unresolved> {
         let attitude = self.bind::<AttitudeSource>(profile, namespace, topic, Some(topic));
-        if !self.requires(profile, Kind::Velocity) {
+        if !self.requires(profile, Kind::Velocity) || self.told.contains_key(&Kind::Velocity) {
             return attitude;
         }
         let velocity = self.bind::<VelocitySource>(profile, namespace, topic, Some(topic));
@@ -210,7 +222,7 @@ impl<'a> Finder<'a> {
 
     /// Whether a log without samples of a kind is none that a profile fits.
     fn requires(&self, profile: &Profile, kind: Kind) -> bool {
-        self.required.contains(&kind)
+        self.told.contains_key(&kind)
             || kind == Kind::Velocity && profile.velocity.iter().any(|source| source.required)
     }
 
@@ -240,7 +252,7 @@ impl<'a> Finder<'a> {
             if let Err(missing) = role
                 && (self.requires(profile, kind) || kind == Kind::Velocity && missing.is_fault)
             {
-                return Ok(Err(missing.reason.clone()));
+                return Ok(Err(self.misfit(kind, missing)?));
             }
         }
         Ok(Ok(Fit {
@@ -261,11 +273,12 @@ impl<'a> Finder<'a> {
         let mut patterns = Vec::new();
         for alternative in A::of(profile) {
             let place = alternative.place();
-            let of_alternative = place.topics.iter().map(|topic| Pattern::new(topic));
+            let of_alternative =
+                (place.topics.iter()).map(|topic| self.pattern::<A>(namespace, topic));
             let of_alternative: Vec<Pattern> = of_alternative.collect();
             let named = of_alternative
                 .iter()
-                .flat_map(|pattern| pattern.matches(namespace, self.topics.keys().copied()));
+                .flat_map(|pattern| pattern.matches(self.topics.keys().copied()));
             let own = own.filter(|_| place.topics.is_empty());
             for topic in named.chain(own) {
                 match self.bind::<A>(profile, namespace, topic, own) {
@@ -283,16 +296,25 @@ impl<'a> Finder<'a> {
             }
             patterns.extend(of_alternative);
         }
-        let names: Vec<String> = (patterns.iter())
-            .map(|pattern| pattern.describe(namespace))
-            .collect();
+        let mut names: Vec<String> = Vec::new();
+        for name in patterns.iter().map(Pattern::to_string) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
         Ok(Err(Missing {
             is_fault: fault.is_some(),
             reason: fault.unwrap_or_else(|| match (names.as_slice(), own) {
                 ([], Some(own)) if !A::of(profile).is_empty() => {
                     format!("the messages on {own} have none")
                 }
-                ([], _) => format!("the profile `{}` has no {}", profile.name, A::KIND.name()),
+                ([], _) => {
+                    let kind = A::KIND.name();
+                    match self.told.contains_key(&A::KIND) {
+                        true => format!("it has no {kind}; give --{kind} fields, not only a topic"),
+                        false => format!("the profile `{}` has no {kind}", profile.name),
+                    }
+                }
                 (names, _) => format!("there is no message on {}", list(names)),
             }),
         }))
@@ -326,7 +348,9 @@ impl<'a> Finder<'a> {
         let topic = channel.topic.as_str();
         let is_at_topic = |place: &Place| match place.topics.as_slice() {
             [] => own == Some(topic),
-            topics => (topics.iter()).any(|text| Pattern::new(text).is_match(namespace, topic)),
+            topics => {
+                (topics.iter()).any(|text| self.pattern::<A>(namespace, text).is_match(topic))
+            }
         };
         let schema = self.log.contents.schema_of(channel);
         let name = schema.map_or("", |schema| schema.name.as_str());
@@ -440,13 +464,4 @@ fn required_fields(profile: &Profile) -> Vec<FieldPath> {
     let velocity = profile.velocity.first().filter(|source| source.required);
     let velocity = velocity.map(|source| source.fields()).unwrap_or_default();
     attitude.into_iter().chain(velocity).cloned().collect()
-}
-
-/// The channels that have messages.
-pub fn channels_with_messages(log: &Log) -> impl Iterator<Item = &Channel> {
-    let counts = &log.contents.statistics.channel_message_counts;
-    let channels = log.contents.definitions.channels.values();
-    channels
-        .map(|channel| &channel.record)
-        .filter(|channel| counts.get(&channel.id).is_some_and(|&count| count > 0))
 }

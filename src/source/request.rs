@@ -1,20 +1,19 @@
 //! What the user says of a log's telemetry: a profile, a vehicle, and fields on the command line.
 
-use std::str::FromStr;
+mod argument;
 
-use serde::de::{DeserializeOwned, IntoDeserializer, value::Error as NotOneOf};
+use std::{collections::BTreeMap, str::FromStr};
 
 use super::{
     alternative::Alternative,
-    path::{FieldPath, MessagePath},
     profile::{
-        AttitudeSource, Components, Coordinates, Euler, GimbalOrientation, GimbalSource,
-        Orientation, Pitch, Place, PositionSource, Profile, ProfileChoice, Quaternion, TimeSource,
-        VelocitySource,
+        AttitudeSource, Coordinates, GimbalOrientation, GimbalSource, Orientation, Pitch,
+        PositionSource, Profile, ProfileChoice, TimeSource, VelocitySource,
         convention::{AngleUnit, PositionFrame},
     },
 };
 use crate::sample::{GimbalReference, Kind};
+use argument::{ANGLE_UNITS, CONVENTIONS, Parts, QUATERNION_ORDERS, REFERENCES, Vocabulary, Words};
 
 /// How the user wants a log's telemetry to be found. By default all is left to the built-in profiles.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -87,17 +86,39 @@ impl Request {
         profiles
     }
 
-    /// The roles besides the attitude whose place is told.
-    pub(super) fn told_roles(&self) -> Vec<Kind> {
+    /// The roles whose place is told.
+    pub(super) fn told(&self) -> BTreeMap<Kind, Told<'_>> {
         let told = [
-            (Kind::Velocity, self.velocity.is_some()),
-            (Kind::Gimbal, self.gimbal.is_some()),
-            (Kind::Position, self.position.is_some()),
+            told(&self.attitude),
+            told(&self.velocity),
+            told(&self.gimbal),
+            told(&self.position),
         ];
-        told.into_iter()
-            .filter_map(|(kind, is_told)| is_told.then_some(kind))
-            .collect()
+        told.into_iter().flatten().collect()
     }
+}
+
+/// What is told of a role.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Told<'a> {
+    /// Its topics, as the log has them, whatever the namespace.
+    pub topics: &'a [String],
+    /// Whether the fields are told too, so that no profile changes anything.
+    pub has_fields: bool,
+}
+
+fn told<Source: Alternative>(argument: &Option<RoleArgument<Source>>) -> Option<(Kind, Told<'_>)> {
+    let told = match argument.as_ref()? {
+        RoleArgument::Topic(topic) => Told {
+            topics: std::slice::from_ref(topic),
+            has_fields: false,
+        },
+        RoleArgument::Source(source) => Told {
+            topics: &source.place().topics,
+            has_fields: true,
+        },
+    };
+    Some((Source::KIND, told))
 }
 
 fn replace<Source: Alternative + Clone>(
@@ -112,143 +133,6 @@ fn replace<Source: Alternative + Clone>(
                 alternative.place_mut().topics = vec![topic.clone()];
             }
         }
-    }
-}
-
-/// The parts of an argument: the topic, its fields, and the words behind the colons.
-struct Parts {
-    topic: String,
-    fields: Vec<FieldPath>,
-    words: Words,
-}
-
-/// Units and conventions that were not used yet.
-struct Words(Vec<String>);
-
-impl Words {
-    /// Takes the word that names one of a type's variants, as profiles name them.
-    fn take<T: DeserializeOwned>(&mut self) -> Option<T> {
-        let read = |word: &String| {
-            let word: serde::de::value::StrDeserializer<NotOneOf> =
-                word.as_str().into_deserializer();
-            T::deserialize(word).ok()
-        };
-        let place = self.0.iter().position(|word| read(word).is_some())?;
-        read(&self.0.remove(place))
-    }
-
-    /// Complains of what is not among the known words.
-    fn check(&self, known: Vocabulary) -> Result<(), BadArgument> {
-        let is_unknown = |word: &&String| !known.iter().any(|group| group.contains(&word.as_str()));
-        match self.0.iter().find(is_unknown) {
-            None => Ok(()),
-            Some(word) => Err(BadArgument(format!(
-                "`{word}` has no meaning here; what can stand behind a colon is {}",
-                in_words(known)
-            ))),
-        }
-    }
-
-    /// Complains of what was not used.
-    fn finish(self) -> Result<(), BadArgument> {
-        match self.0.first() {
-            None => Ok(()),
-            Some(word) => Err(BadArgument(format!(
-                "`{word}` does not go with the rest of the argument"
-            ))),
-        }
-    }
-}
-
-/// The words that an argument can have; of each group one.
-type Vocabulary = &'static [&'static [&'static str]];
-
-const ANGLE_UNITS: &[&str] = &["radians", "degrees", "centidegrees"];
-const QUATERNION_ORDERS: &[&str] = &["wxyz", "xyzw"];
-const REFERENCES: &[&str] = &["earth", "heading", "airframe"];
-const CONVENTIONS: &[&str] = &["frd-ned", "flu-enu"];
-
-fn in_words(vocabulary: Vocabulary) -> String {
-    let groups = vocabulary.iter().map(|group| match group {
-        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
-        group => group.concat(),
-    });
-    groups.collect::<Vec<_>>().join("; ")
-}
-
-impl FromStr for Parts {
-    type Err = BadArgument;
-
-    fn from_str(text: &str) -> Result<Self, BadArgument> {
-        let mut words = split_outside_quotes(text, ':').into_iter();
-        let paths = words.next().unwrap_or_default();
-        let mut topic: Option<String> = None;
-        let mut fields = Vec::new();
-        for path in split_outside_quotes(paths, ',') {
-            let path: MessagePath =
-                (path.trim().parse()).map_err(|error| BadArgument(format!("{error}")))?;
-            match &topic {
-                Some(first) if *first != path.topic => {
-                    return Err(BadArgument(format!(
-                        "{first} and {} are different topics; every path begins with its topic (/imu.roll,/imu.pitch), \
-                         and what belongs to one sample must come in one message",
-                        path.topic
-                    )));
-                }
-                _ => topic = Some(path.topic),
-            }
-            fields.extend(path.field);
-        }
-        Ok(Self {
-            topic: topic.unwrap_or_default(),
-            fields,
-            words: Words(words.map(str::to_owned).collect()),
-        })
-    }
-}
-
-/// Topics in double quotes may have characters that have a meaning elsewhere.
-fn split_outside_quotes(text: &str, separator: char) -> Vec<&str> {
-    let mut is_quoted = false;
-    text.split(|character| {
-        is_quoted ^= character == '"';
-        character == separator && !is_quoted
-    })
-    .collect()
-}
-
-impl Parts {
-    fn place(&self) -> Place {
-        Place {
-            topics: vec![self.topic.clone()],
-            ..Place::default()
-        }
-    }
-
-    /// The only field, or as many as there are components.
-    fn components<const N: usize>(&self, what: &str) -> Result<Components<N>, BadArgument> {
-        let count = self.fields.len();
-        let wrong = |_| BadArgument(format!("{count} fields were given, but {what}"));
-        Components::of(&self.fields).map_err(wrong)
-    }
-
-    fn euler(&mut self, unit: AngleUnit) -> Option<Euler> {
-        let [roll, pitch, yaw] = self.fields.as_slice() else {
-            return None;
-        };
-        Some(Euler {
-            roll: roll.clone(),
-            pitch: pitch.clone(),
-            yaw: yaw.clone(),
-            unit,
-        })
-    }
-
-    fn quaternion(&mut self, what: &str) -> Result<Quaternion, BadArgument> {
-        Ok(Quaternion {
-            fields: self.components(what)?,
-            order: self.words.take().unwrap_or_default(),
-        })
     }
 }
 

@@ -5,14 +5,12 @@ use std::{cmp::Reverse, collections::BTreeSet};
 use super::{
     RunnerUp, Source,
     examples::Examples,
-    finder::{Finder, Fit, Specificity, channels_with_messages, specificity},
+    finder::{Finder, Fit, Specificity, specificity},
     profile::{Profile, ProfileChoice},
     request::Request,
+    topic::describe_topics,
 };
 use crate::{error::Error, log::Log, sample::Kind};
-
-/// How many topics a message lists at most.
-const LISTED: usize = 60;
 
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,6 +58,7 @@ impl Source {
         let path = || log.file.path().to_owned();
         let examples = Examples::new(log);
         let finder = Finder::new(log, &examples, request);
+        finder.check_told(request)?;
         let mut profiles = request.profiles();
         // What one profile does not tell by its topics another may; the sort keeps their order otherwise.
         profiles.sort_by_key(|profile| Reverse(specificity(profile)));
@@ -103,17 +102,17 @@ impl Source {
                 }
             });
         };
-        let is_best = |(profile, fit): &(&Profile, Fit)| fit.rank(profile) == best;
+        let is_best = |profile: &Profile, fit: &Fit| fit.rank(profile) == best;
         let best_profiles: BTreeSet<String> = (fits.iter())
-            .filter(|fit| is_best(fit))
+            .filter(|(profile, fit)| is_best(profile, fit))
             .map(|(profile, _)| profile.name.clone())
             .collect();
-        let (best, rest): (Vec<_>, Vec<_>) = fits.into_iter().partition(|(profile, fit)| {
-            // Which of several vehicles is meant does not follow from what is known of them.
+        let (best, mut rest): (Vec<_>, Vec<_>) = fits.into_iter().partition(|(profile, fit)| {
+            // Which of several vehicles is meant does not follow from how much is known of each.
             let is_vehicle = specificity(profile) == Specificity::Topic;
-            best_profiles.contains(&profile.name)
-                && (is_vehicle || is_best(&(profile, fit.clone())))
+            best_profiles.contains(&profile.name) && (is_vehicle || is_best(profile, fit))
         });
+        rest.sort_by_key(|(profile, fit)| Reverse(fit.rank(profile)));
         let [(profile, fit)] = best.as_slice() else {
             return Err(ambiguity(log, &best));
         };
@@ -144,16 +143,17 @@ fn ambiguity(log: &Log, fits: &[(&Profile, Fit)]) -> Error {
     let namespaces: BTreeSet<&str> = (fits.iter())
         .map(|(_, fit)| fit.namespace.as_str())
         .collect();
-    let owned = |names: BTreeSet<&str>| names.into_iter().map(str::to_owned).collect();
     if profiles.len() > 1 {
+        let place =
+            |(profile, fit): &(&Profile, Fit)| (profile.name.clone(), fit.attitude.topic.clone());
         Error::SeveralProfilesFit {
             path,
-            profiles: owned(profiles),
+            fits: fits.iter().map(place).collect(),
         }
     } else if namespaces.len() > 1 {
         Error::SeveralVehicles {
             path,
-            namespaces: owned(namespaces),
+            namespaces: namespaces.into_iter().map(str::to_owned).collect(),
         }
     } else {
         Error::SeveralTopicsFit {
@@ -164,27 +164,4 @@ fn ambiguity(log: &Log, fits: &[(&Profile, Fit)]) -> Error {
                 .collect(),
         }
     }
-}
-
-fn describe_topics(log: &Log) -> String {
-    let described: BTreeSet<String> = channels_with_messages(log)
-        .map(|channel| {
-            let schema = log.contents.schema_of(channel);
-            let schema = schema.map_or("no schema", |schema| schema.name.as_str());
-            format!(
-                "\n  {} ({}, {schema})",
-                channel.topic, channel.message_encoding
-            )
-        })
-        .collect();
-    if described.is_empty() {
-        return "the log has no messages".to_owned();
-    }
-    let more = described.len().saturating_sub(LISTED);
-    let mut text = String::from("topics of the log:");
-    text.extend(described.into_iter().take(LISTED));
-    if more > 0 {
-        text.push_str(&format!("\n  and {more} more"));
-    }
-    text
 }

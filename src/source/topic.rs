@@ -1,4 +1,14 @@
-//! Topics as profiles name them: in any vehicle's namespace, and with numbers that may be any.
+//! Topics as profiles name them, in any vehicle's namespace and with a number that may be any, and as logs have
+//! them.
+
+use std::{collections::BTreeSet, fmt};
+
+use mcap::records::Channel;
+
+use crate::log::Log;
+
+/// How many topics a message lists at most.
+const LISTED: usize = 60;
 
 /// What stands for any number, such as a version.
 const NUMBER: &str = "{n}";
@@ -6,10 +16,10 @@ const NUMBER: &str = "{n}";
 /// What stands for a vehicle's number. All that comes before it, and the number, is the vehicle's namespace.
 const VEHICLE: &str = "{vehicle}";
 
-/// A topic of a profile.
+/// A topic of a profile, in a namespace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
-    /// How a namespace must end, before the vehicle's number; `None` where the vehicle has none.
+    /// What comes before the vehicle's number, where the namespace does not tell it. No topic matches then.
     vehicle: Option<String>,
     before: String,
     /// What follows a number, where there is one.
@@ -17,87 +27,70 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Of a topic as a profile writes it.
-    pub fn new(topic: &str) -> Self {
-        let (vehicle, topic) = match topic.split_once(VEHICLE) {
-            Some((vehicle, topic)) => (Some(vehicle.to_owned()), topic),
-            None => (None, topic),
+    /// Of a topic as a profile writes it, in a namespace, which may be empty.
+    pub fn new(namespace: &str, topic: &str) -> Self {
+        let (vehicle, namespace, topic) = match topic.split_once(VEHICLE) {
+            None => (None, namespace, topic),
+            Some((vehicle, topic)) if is_vehicle(namespace, vehicle) => (None, namespace, topic),
+            Some((vehicle, topic)) => (Some(format!("{namespace}{vehicle}")), "", topic),
         };
         let (before, after) = match topic.split_once(NUMBER) {
             Some((before, after)) => (before, Some(after.to_owned())),
             None => (topic, None),
         };
+        // The topics of some logs begin with no slash.
+        let slash = match namespace.is_empty() || before.starts_with('/') {
+            true => "",
+            false => "/",
+        };
         Self {
             vehicle,
-            before: before.to_owned(),
+            before: format!("{namespace}{slash}{before}"),
             after,
         }
     }
 
-    /// Whether this is the topic, in a namespace, which may be empty.
-    pub fn is_match(&self, namespace: &str, topic: &str) -> bool {
-        self.rank(namespace, topic).is_some()
+    /// Whether this is the topic.
+    pub fn is_match(&self, topic: &str) -> bool {
+        self.rank(topic).is_some()
     }
 
     /// Those of the topics that match, the one with the largest number first.
-    pub fn matches<'t>(
-        &self,
-        namespace: &str,
-        topics: impl Iterator<Item = &'t str>,
-    ) -> Vec<&'t str> {
+    pub fn matches<'t>(&self, topics: impl Iterator<Item = &'t str>) -> Vec<&'t str> {
         let mut matching: Vec<(u64, &str)> = topics
-            .filter_map(|topic| Some((self.rank(namespace, topic)?, topic)))
+            .filter_map(|topic| Some((self.rank(topic)?, topic)))
             .collect();
         matching.sort_by_key(|&(number, _)| std::cmp::Reverse(number));
         matching.into_iter().map(|(_, topic)| topic).collect()
     }
 
-    /// The namespace in which this is the topic, if there is one.
+    /// The namespace in which this topic becomes that one.
     pub fn namespace_of<'t>(&self, topic: &'t str) -> Option<&'t str> {
-        let starts = [0]
-            .into_iter()
-            .chain(topic.match_indices('/').map(|(start, _)| start));
-        let ends = starts.filter_map(|start| match &self.vehicle {
+        let starts = topic.match_indices('/').map(|(start, _)| start);
+        let ends = starts.chain([0]).filter_map(|start| match &self.vehicle {
             None => Some(start),
             Some(vehicle) => {
                 let number = topic[start..].strip_prefix(vehicle.as_str())?;
                 let digits = number.bytes().take_while(u8::is_ascii_digit).count();
-                Some(start + vehicle.len() + digits)
+                (digits > 0).then_some(start + vehicle.len() + digits)
             }
         });
-        ends.map(|end| &topic[..end])
-            .find(|namespace| self.is_match(namespace, topic))
-    }
-
-    /// The topic in a namespace, as a message names it.
-    pub fn describe(&self, namespace: &str) -> String {
-        let namespace = match &self.vehicle {
-            Some(vehicle) if !self.is_vehicle(namespace) => {
-                format!("{namespace}{vehicle}{VEHICLE}")
-            }
-            _ => namespace.to_owned(),
-        };
-        match &self.after {
-            None => format!("{namespace}{}", self.before),
-            Some(after) => format!("{namespace}{}{NUMBER}{after}", self.before),
-        }
-    }
-
-    /// Whether a namespace ends with a vehicle's number where this topic has one.
-    fn is_vehicle(&self, namespace: &str) -> bool {
-        let Some(vehicle) = &self.vehicle else {
-            return true;
-        };
-        let name = namespace.trim_end_matches(|last: char| last.is_ascii_digit());
-        name.len() < namespace.len() && name.ends_with(vehicle.as_str())
+        ends.map(|end| topic.split_at(end))
+            .find(|(_, within)| self.number(within).is_some())
+            .map(|(namespace, _)| namespace)
     }
 
     /// The number in a topic that matches, 0 where the pattern has none.
-    fn rank(&self, namespace: &str, topic: &str) -> Option<u64> {
-        let within = topic
-            .strip_prefix(namespace)
-            .filter(|_| self.is_vehicle(namespace));
-        let rest = within?.strip_prefix(self.before.as_str())?;
+    fn rank(&self, topic: &str) -> Option<u64> {
+        match self.vehicle {
+            None => self.number(topic),
+            Some(_) => None,
+        }
+    }
+
+    /// As [`rank`](Self::rank), of what follows the vehicle's number.
+    fn number(&self, topic: &str) -> Option<u64> {
+        let rest = topic.strip_prefix(self.before.as_str())?;
         match &self.after {
             None => rest.is_empty().then_some(0),
             Some(after) => {
@@ -107,4 +100,56 @@ impl Pattern {
             }
         }
     }
+}
+
+/// Whether a namespace ends with a vehicle's number behind this.
+fn is_vehicle(namespace: &str, vehicle: &str) -> bool {
+    let name = namespace.trim_end_matches(|last: char| last.is_ascii_digit());
+    name.len() < namespace.len() && name.ends_with(vehicle)
+}
+
+impl fmt::Display for Pattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(vehicle) = &self.vehicle {
+            write!(f, "{vehicle}{VEHICLE}")?;
+        }
+        f.write_str(&self.before)?;
+        match &self.after {
+            Some(after) => write!(f, "{NUMBER}{after}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The channels that have messages.
+pub fn channels_with_messages(log: &Log) -> impl Iterator<Item = &Channel> {
+    let counts = &log.contents.statistics.channel_message_counts;
+    let channels = log.contents.definitions.channels.values();
+    channels
+        .map(|channel| &channel.record)
+        .filter(|channel| counts.get(&channel.id).is_some_and(|&count| count > 0))
+}
+
+/// The topics of a log that have messages, for a message that does not find what it looks for.
+pub fn describe_topics(log: &Log) -> String {
+    let described: BTreeSet<String> = channels_with_messages(log)
+        .map(|channel| {
+            let schema = log.contents.schema_of(channel);
+            let schema = schema.map_or("no schema", |schema| schema.name.as_str());
+            format!(
+                "\n  {} ({}, {schema})",
+                channel.topic, channel.message_encoding
+            )
+        })
+        .collect();
+    if described.is_empty() {
+        return "the log has no messages".to_owned();
+    }
+    let more = described.len().saturating_sub(LISTED);
+    let mut text = String::from("topics of the log:");
+    text.extend(described.into_iter().take(LISTED));
+    if more > 0 {
+        text.push_str(&format!("\n  and {more} more"));
+    }
+    text
 }

@@ -68,12 +68,25 @@ impl Unresolved {
         self
     }
 
-    /// How many fields are lacking; where something else is wrong, more than can be.
+    /// How many fields are lacking, one that is not as wanted among them; where nothing is known of the fields,
+    /// more than can be.
     pub fn lacks(&self) -> usize {
         match self {
             Self::NoSuchField { lacking, .. } => lacking.len(),
-            _ => usize::MAX,
+            Self::NotThere { .. }
+            | Self::OutOfRange { .. }
+            | Self::WrongShape { .. }
+            | Self::Overlap { .. } => 1,
+            Self::Encoding { .. }
+            | Self::Schema { .. }
+            | Self::OtherType { .. }
+            | Self::Unreadable(_) => usize::MAX,
         }
+    }
+
+    /// Whether the fields of the messages cannot be known.
+    pub fn is_opaque(&self) -> bool {
+        matches!(self, Self::Encoding { .. } | Self::Schema { .. })
     }
 }
 

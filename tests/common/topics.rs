@@ -103,3 +103,55 @@ pub fn states(count: i32, unit: f64) -> impl Iterator<Item = Value> {
         json!({ "roll": roll, "pitch": pitch, "yaw": yaw, "vx": 3.0 + t, "vy": -1.0, "vz": 0.2 })
     })
 }
+
+// ---- Telemetry as autopilots write it ----
+
+pub fn twice(name: &'static str, message: Value) -> Topic {
+    topic(name, [message.clone(), message])
+}
+
+pub fn quaternion() -> Value {
+    json!({ "w": 1, "x": 0, "y": 0, "z": 0 })
+}
+
+pub fn vector() -> Value {
+    json!({ "x": 1, "y": 0, "z": 0 })
+}
+
+/// geometry_msgs/PoseStamped
+pub fn pose(name: &'static str) -> Topic {
+    let pose = json!({ "orientation": quaternion(), "position": vector() });
+    twice(name, json!({ "pose": pose })).of_type("geometry_msgs/msg/PoseStamped")
+}
+
+pub fn twist(name: &'static str) -> Topic {
+    twice(name, json!({ "twist": { "linear": vector() } }))
+        .of_type("geometry_msgs/msg/TwistStamped")
+}
+
+pub fn odometry(name: &'static str) -> Topic {
+    let pose = json!({ "orientation": quaternion(), "position": vector() });
+    let twist = json!({ "linear": vector() });
+    let message = json!({ "pose": { "pose": pose }, "twist": { "twist": twist } });
+    twice(name, message).of_type("nav_msgs/msg/Odometry")
+}
+
+/// px4_msgs/VehicleAttitude
+pub fn attitude(name: &'static str) -> Topic {
+    twice(name, json!({ "q": [1, 0, 0, 0] }))
+}
+
+/// px4_msgs/VehicleLocalPosition
+pub fn local_position(name: &'static str) -> Topic {
+    let flags = json!({ "v_xy_valid": true, "v_z_valid": true });
+    let mut message = json!({ "vx": 1, "vy": 0, "vz": 0 });
+    message
+        .as_object_mut()
+        .unwrap()
+        .extend(flags.as_object().unwrap().clone());
+    twice(name, message)
+}
+
+pub fn flat(name: &'static str) -> Topic {
+    topic(name, states(2, 1.0))
+}

@@ -110,11 +110,11 @@ fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), String> 
     match value {
         Value::String(text) if text.starts_with(['/', '"']) => {
             let path: MessagePath = text.parse().map_err(|error| format!("{error}"))?;
-            // A topic alone is no path; what stands there is told with the key.
-            if let Some(field) = path.field {
-                topics.push(path.topic);
-                *text = field.to_string();
-            }
+            let field = path
+                .field
+                .ok_or_else(|| format!("`{text}` names no field"))?;
+            topics.push(path.topic);
+            *text = field.to_string();
             Ok(())
         }
         Value::Array(values) => values
