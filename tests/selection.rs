@@ -1,11 +1,10 @@
-//! Which telemetry of a log is used: which profile, which vehicle, which topic; and what the user is told where
-//! that is not clear.
+//! Which telemetry of a log is used: which profile, and which topics; and what the user is told where that is not
+//! clear.
 
 mod common;
 
-use common::{folder::*, topics::*};
+use common::{folder::*, selecting::*, topics::*};
 use flightcam::{
-    Error,
     log::Log,
     sample::Kind,
     source::{
@@ -16,196 +15,11 @@ use flightcam::{
 };
 use serde_json::json;
 
-/// A request, told as on the command line.
-fn request(arguments: &[(&str, &str)]) -> Request {
-    let mut request = Request::default();
-    for &(option, value) in arguments {
-        match option {
-            "--profile" => {
-                let profile = Profile::load(value).expect("a built-in profile");
-                request.profile = ProfileChoice::Given(Box::new(profile));
-            }
-            "--namespace" => request.namespace = Some(value.to_owned()),
-            "--attitude" => request.attitude = Some(value.parse().expect("an attitude")),
-            "--velocity" => request.velocity = Some(value.parse().expect("a velocity")),
-            "--gimbal" => request.gimbal = Some(value.parse().expect("a gimbal")),
-            "--position" => request.position = Some(value.parse().expect("a position")),
-            _ => panic!("no option {option}"),
-        }
-    }
-    request
-}
-
 fn own(toml: &str) -> Request {
     let profile = Profile::parse(toml).expect("a profile");
     Request {
         profile: ProfileChoice::Given(Box::new(profile)),
         ..Request::default()
-    }
-}
-
-fn select_with(topics: &[Topic], request: &Request) -> Result<Source, Error> {
-    let folder = Folder::with(LOG, log(topics));
-    Source::select(&Log::open(&folder.path(LOG))?, request)
-}
-
-/// What is used: the profile, and the topics of attitude and velocity.
-fn used(source: &Source) -> (&str, &str, &str) {
-    let topic = |kind| source.role(kind).map_or("", |role| role.topic.as_str());
-    let profile = source.profile.name.as_str();
-    (profile, topic(Kind::Attitude), topic(Kind::Velocity))
-}
-
-#[track_caller]
-fn selects(topics: &[Topic], arguments: &[(&str, &str)], expected: (&str, &str, &str)) {
-    match select_with(topics, &request(arguments)) {
-        Ok(source) => assert_eq!(used(&source), expected, "with {arguments:?}"),
-        Err(error) => panic!("with {arguments:?}: {error}"),
-    }
-}
-
-#[track_caller]
-fn refuses(topics: &[Topic], arguments: &[(&str, &str)], words: &str) {
-    let error = select_with(topics, &request(arguments)).expect_err("an error");
-    assert_reads(&error.to_string(), words);
-}
-
-mod a_namespace {
-    use super::*;
-
-    const POSE: &str = "/drone1/mavros/local_position/pose";
-    const VELOCITY: &str = "/drone1/mavros/local_position/velocity_local";
-
-    fn one() -> [Topic; 2] {
-        [pose(POSE), twist(VELOCITY)]
-    }
-
-    fn two() -> Vec<Topic> {
-        let pose = pose("/drone2/mavros/local_position/pose");
-        let twist = twist("/drone2/mavros/local_position/velocity_local");
-        [one(), [pose, twist]].concat()
-    }
-
-    fn plain() -> [Topic; 2] {
-        let twist = twist("/mavros/local_position/velocity_local");
-        [pose("/mavros/local_position/pose"), twist]
-    }
-
-    #[test]
-    fn is_found_by_itself_where_there_is_only_one() {
-        let source = select_with(&one(), &Request::default()).expect("a source");
-        assert_eq!(used(&source), ("mavros", POSE, VELOCITY));
-        assert_eq!(source.namespace, "/drone1");
-
-        let px4 = [
-            attitude("/fleet/px4_1/fmu/out/vehicle_attitude"),
-            local_position("/fleet/px4_1/fmu/out/vehicle_local_position_v1"),
-        ];
-        let source = select_with(&px4, &Request::default()).expect("a source");
-        assert_eq!(used(&source), ("px4-ros2", px4[0].name, px4[1].name));
-        assert_eq!(source.namespace, "/fleet/px4_1");
-    }
-
-    #[test]
-    fn is_chosen_by_the_user_where_there_are_several_vehicles() {
-        let several = "telemetry of several vehicles, in the namespaces /drone1, /drone2; choose … --namespace /drone1";
-        refuses(&two(), &[], several);
-        let second = "/drone2/mavros/local_position/pose";
-        let velocity = "/drone2/mavros/local_position/velocity_local";
-        selects(
-            &two(),
-            &[("--namespace", "/drone1")],
-            ("mavros", POSE, VELOCITY),
-        );
-        selects(
-            &two(),
-            &[("--namespace", "/drone2")],
-            ("mavros", second, velocity),
-        );
-    }
-
-    #[test]
-    fn may_be_none() {
-        let both = [one(), plain()].concat();
-        refuses(
-            &both,
-            &[],
-            "namespaces /, /drone1; … --namespace / (/ is the one without a namespace)",
-        );
-        let [pose, twist] = plain();
-        selects(
-            &both,
-            &[("--namespace", "")],
-            ("mavros", pose.name, twist.name),
-        );
-        selects(
-            &both,
-            &[("--namespace", "/drone1")],
-            ("mavros", POSE, VELOCITY),
-        );
-        refuses(
-            &one(),
-            &[("--namespace", "")],
-            "no usable telemetry … mavros: there is no message on /mavros/",
-        );
-    }
-
-    #[test]
-    fn that_no_topic_is_in_is_told_with_those_that_there_are() {
-        let missing =
-            format!("there is no topic in the namespace /drone … topics of the log: … {POSE}");
-        refuses(&one(), &[("--namespace", "/drone")], &missing);
-        refuses(
-            &one(),
-            &[("--namespace", "/drone"), ("--profile", "mavros")],
-            &missing,
-        );
-    }
-
-    #[test]
-    fn narrows_what_is_searched_by_type_or_fields() {
-        for topics in [
-            ["/a/odom", "/b/odom"].map(odometry),
-            ["/a/state", "/b/state"].map(flat),
-        ] {
-            let [a, b] = [topics[0].name, topics[1].name];
-            refuses(&topics, &[], &format!("{a} and {b} fit equally well"));
-            let source =
-                select_with(&topics, &request(&[("--namespace", "/b")])).expect("a source");
-            assert_eq!(source.attitude().topic, b);
-        }
-    }
-
-    #[test]
-    fn may_be_given_for_a_profile_that_has_none_of_its_own() {
-        let topics = [
-            attitude("/d/vehicle_attitude/0"),
-            local_position("/d/vehicle_local_position/0"),
-        ];
-        let expected = ("px4-ulog", topics[0].name, topics[1].name);
-        selects(&topics, &[("--namespace", "/d")], expected);
-    }
-
-    #[test]
-    fn is_not_put_before_topics_that_the_user_tells() {
-        let gps = twice("/drone1/gps", json!({ "v": vector() }));
-        let imu = twice(
-            "/drone1/mavros/imu/data",
-            json!({ "orientation": quaternion() }),
-        );
-        let more = [&one()[..], &[gps, imu]].concat();
-        let told = ("--velocity", "/drone1/gps.v:ned");
-        let imu = ("--attitude", "/drone1/mavros/imu/data");
-        for namespace in [None, Some(("--namespace", "/drone1"))] {
-            let with = |argument| namespace.into_iter().chain([argument]).collect::<Vec<_>>();
-            selects(&more, &with(told), ("mavros", POSE, "/drone1/gps"));
-            selects(&more, &with(imu), ("mavros", imu.1, VELOCITY));
-        }
-        let both = [
-            ("--namespace", "/drone1"),
-            ("--attitude", "/drone1/mavros/imu/data.orientation:flu-enu"),
-        ];
-        selects(&more, &both, ("command line", imu.1, ""));
     }
 }
 
@@ -306,6 +120,20 @@ fn of_several_topics_of_a_type_the_user_chooses_one() {
             ("nav-msgs", topic, topic),
         );
     }
+}
+
+#[test]
+fn a_type_without_a_velocity_is_used_without_one() {
+    let pose = json!({ "orientation": quaternion(), "position": vector() });
+    let pose = twice("/pose", json!({ "pose": pose })).of_type("foxglove.PoseInFrame");
+    let source = select_with(&[pose], &Request::default()).expect("a source");
+    assert_eq!(used(&source), ("nav-msgs", "/pose", ""));
+    let missing = source.why_missing(Kind::Velocity);
+    assert_eq!(missing, Some("the messages on /pose have none"));
+    assert_eq!(
+        source.role(Kind::Position).expect("a position").topic,
+        "/pose"
+    );
 }
 
 #[test]

@@ -218,7 +218,11 @@ impl Slots {
     /// Before the next message.
     pub fn clear(&mut self) {
         self.values.iter_mut().for_each(FieldValue::clear);
-        self.seen.fill(0);
+        // An empty list has no valid address, and filling nothing there takes some processors longer than
+        // reading a message.
+        if !self.seen.is_empty() {
+            self.seen.fill(0);
+        }
     }
 }
 

@@ -10,8 +10,12 @@ const LISTED: usize = 40;
 #[derive(Debug, thiserror::Error)]
 pub enum Unresolved {
     #[error(
-        "its messages are encoded as `{message_encoding}` with schema encoding `{schema_encoding}`; \
-         flightcam reads protobuf, JSON, ROS 2 (cdr with ros2msg) and ROS 1 (ros1 with ros1msg)"
+        "its messages are encoded as `{message_encoding}` {}; \
+         flightcam reads protobuf, JSON, ROS 2 (cdr with ros2msg) and ROS 1 (ros1 with ros1msg)",
+        match schema_encoding.as_str() {
+            "" => "without a schema".to_owned(),
+            encoding => format!("with a schema in `{encoding}`"),
+        }
     )]
     Encoding {
         message_encoding: String,

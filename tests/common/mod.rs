@@ -5,6 +5,7 @@ pub mod folder;
 pub mod logbook;
 pub mod message;
 pub mod ros;
+pub mod selecting;
 pub mod telemetry;
 pub mod topics;
 

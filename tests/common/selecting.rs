@@ -1,0 +1,60 @@
+//! Which telemetry of a log is selected.
+
+use flightcam::{
+    Error,
+    log::Log,
+    sample::Kind,
+    source::{
+        Source,
+        profile::{Profile, ProfileChoice},
+        request::Request,
+    },
+};
+
+use super::{folder::*, topics::*};
+
+/// A request, told as on the command line.
+pub fn request(arguments: &[(&str, &str)]) -> Request {
+    let mut request = Request::default();
+    for &(option, value) in arguments {
+        match option {
+            "--profile" => {
+                let profile = Profile::load(value).expect("a built-in profile");
+                request.profile = ProfileChoice::Given(Box::new(profile));
+            }
+            "--namespace" => request.namespace = Some(value.to_owned()),
+            "--attitude" => request.attitude = Some(value.parse().expect("an attitude")),
+            "--velocity" => request.velocity = Some(value.parse().expect("a velocity")),
+            "--gimbal" => request.gimbal = Some(value.parse().expect("a gimbal")),
+            "--position" => request.position = Some(value.parse().expect("a position")),
+            _ => panic!("no option {option}"),
+        }
+    }
+    request
+}
+
+pub fn select_with(topics: &[Topic], request: &Request) -> Result<Source, Error> {
+    let folder = Folder::with(LOG, log(topics));
+    Source::select(&Log::open(&folder.path(LOG))?, request)
+}
+
+/// What is used: the profile, and the topics of attitude and velocity.
+pub fn used(source: &Source) -> (&str, &str, &str) {
+    let topic = |kind| source.role(kind).map_or("", |role| role.topic.as_str());
+    let profile = source.profile.name.as_str();
+    (profile, topic(Kind::Attitude), topic(Kind::Velocity))
+}
+
+#[track_caller]
+pub fn selects(topics: &[Topic], arguments: &[(&str, &str)], expected: (&str, &str, &str)) {
+    match select_with(topics, &request(arguments)) {
+        Ok(source) => assert_eq!(used(&source), expected, "with {arguments:?}"),
+        Err(error) => panic!("with {arguments:?}: {error}"),
+    }
+}
+
+#[track_caller]
+pub fn refuses(topics: &[Topic], arguments: &[(&str, &str)], words: &str) {
+    let error = select_with(topics, &request(arguments)).expect_err("an error");
+    assert_reads(&error.to_string(), words);
+}
