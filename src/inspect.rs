@@ -1,7 +1,8 @@
 //! What a log has, before anything is written: which telemetry would be used, and what would come of it.
 //!
-//! On a log with a summary only the message indexes of the telemetry and, for what share of it is usable, some of
-//! its messages are read.
+//! Counts, times and gaps come from the log's summary and the telemetry's message indexes. Messages are read for
+//! two things: which fields those of a JSON topic have, and what share of the telemetry is usable; for the latter
+//! only so many of a long log.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -18,13 +19,13 @@ use crate::{
     log::{Log, SegmentReader, contents::Segment},
     messages::Format,
     options::Options,
-    report::{CameraReport, lossy},
+    report::{CameraReport, MissingTopic, ProfileReport, lossy, unread_end},
     sample::{Kind, Position, Sample, Tallies, Tally, Velocity},
-    source::{RunnerUp, Source},
+    source::{RoleSource, RunnerUp, Source},
     writer::provenance,
 };
 
-/// Bytes of segments that are read at most, to learn what share of the telemetry is usable.
+/// About how many bytes are read at most, to learn what share of the telemetry is usable.
 const MOST_READ: u64 = 64 * 1024 * 1024;
 
 /// What a log has. As JSON it is what scripts read, so its names are part of the interface.
@@ -49,15 +50,15 @@ pub struct Inspection {
     pub problem: Option<String>,
     /// The topics that are not telemetry, by kind.
     pub other_topics: Vec<TopicGroup>,
+    /// What the user should know besides.
+    pub notes: Vec<String>,
 }
 
 /// What would be used.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Telemetry {
     /// How the log names it.
-    pub profile: String,
-    /// Why this profile.
-    pub reason: String,
+    pub profile: ProfileReport,
     /// The prefix of the vehicle's topics; empty where they have none.
     pub namespace: String,
     /// The other profiles that were tried, those that fit first.
@@ -68,6 +69,8 @@ pub struct Telemetry {
     pub roles: BTreeMap<Kind, Role>,
     /// What `enrich` would write.
     pub would_write: Vec<Planned>,
+    /// What it could not.
+    pub would_not_write: Vec<MissingTopic>,
 }
 
 /// One kind of sample.
@@ -107,22 +110,54 @@ pub struct FoundRole {
     /// How many of those were usable, and how many were not, for which reason.
     #[serde(flatten)]
     pub tally: Tally,
+    /// The share of those that were not, 0 to 1.
+    pub share_invalid: f64,
     /// The first usable one that was read, in words.
     pub first: Option<String>,
 }
 
 impl FoundRole {
-    /// How many of the messages can be usable.
-    fn usable_at_most(&self) -> u64 {
-        self.messages - (self.read - self.tally.used)
+    /// Of a log whose telemetry was logged at these times, by channel, each channel's in order.
+    fn new(
+        log: &Log,
+        role: &RoleSource,
+        times: &BTreeMap<u16, Vec<u64>>,
+        tally: &Tally,
+        first: Option<&Sample>,
+    ) -> Self {
+        let of_topic = || channels(log).filter(|(channel, _)| channel.topic == role.topic);
+        let (channel, _) = of_topic().next().expect("a role has a channel");
+        let schema = log.contents.schema_of(channel);
+        let of_topic = of_topic().filter_map(|(channel, _)| times.get(&channel.id));
+        let mut times: Vec<u64> = of_topic.flatten().copied().collect();
+        times.sort_unstable();
+        let [start, end] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0));
+        let seconds = (end - start) as f64 / 1e9;
+        let gaps = times.windows(2).map(|pair| pair[1] - pair[0]);
+        let read = tally.total();
+        Self {
+            topic: role.topic.clone(),
+            fields: role.fields.iter().map(ToString::to_string).collect(),
+            encoding: channel.message_encoding.clone(),
+            schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
+            messages: times.len() as u64,
+            times: [start, end],
+            rate_hz: (seconds > 0.0).then(|| (times.len() - 1) as f64 / seconds),
+            largest_gap_s: gaps.max().map(|gap| gap as f64 / 1e9),
+            read,
+            tally: tally.clone(),
+            share_invalid: match read {
+                0 => 0.0,
+                read => (read - tally.used) as f64 / read as f64,
+            },
+            first: first.map(say),
+        }
     }
 
-    /// The share of the messages that were read and are not usable, 0 to 1.
-    pub fn share_invalid(&self) -> f64 {
-        match self.read {
-            0 => 0.0,
-            read => (read - self.tally.used) as f64 / read as f64,
-        }
+    /// How many of the messages can be usable.
+    fn usable_at_most(&self) -> u64 {
+        // A damaged index may list fewer than there are.
+        self.messages.saturating_sub(self.read - self.tally.used)
     }
 }
 
@@ -155,36 +190,126 @@ pub struct TopicGroup {
 /// Looks at a log as [`enrich`](crate::enrich()) would with these options.
 ///
 /// # Errors
-/// The log cannot be read. That its telemetry is not found is no error but what there is to tell.
+/// The log cannot be read, or the options contradict each other. That the log's telemetry is not found is no error
+/// but what there is to tell.
 pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
     let log = Log::open(input)?;
-    let free = provenance::check_topics_are_free(&log);
-    let found = Source::compare(&log, &options.telemetry);
-    let (telemetry, problem) = match (found, free) {
-        (Ok(source), free) => (Some(describe(&log, source, options)?), free.err()),
-        (Err(error), Ok(())) if error.is_of_reading() => return Err(error),
-        (Err(error), free) => (None, Some(free.err().unwrap_or(error))),
-    };
+    let mut notes = Vec::from_iter(unread_end(&log));
+    let mut telemetry = None;
+    let mut problem = provenance::check_topics_are_free(&log).err();
+    match Source::compare(&log, &options.telemetry) {
+        Ok(mut source) => {
+            let found = Telemetry::describe(&log, &mut source, options)?;
+            notes.extend(source.suspicion());
+            problem = problem.or_else(|| found.why_nothing(input));
+            telemetry = Some(found);
+        }
+        Err(error) => problem = problem.or(Some(error)),
+    }
+    if let Some(error) = problem.take_if(|error| error.is_of_reading()) {
+        return Err(error);
+    }
     let statistics = &log.contents.statistics;
+    let names: BTreeSet<&str> = channels(&log)
+        .map(|(channel, _)| channel.topic.as_str())
+        .collect();
     let used = telemetry.iter().flat_map(Telemetry::topics).collect();
     Ok(Inspection {
         input: input.into(),
         bytes: log.file.len(),
         messages: statistics.message_count,
-        topics: channels(&log)
-            .map(|(channel, _)| &channel.topic)
-            .collect::<BTreeSet<_>>()
-            .len(),
+        topics: names.len(),
         times: (statistics.message_count > 0)
             .then_some([statistics.message_start_time, statistics.message_end_time]),
         scanned: log.scanned.is_some(),
         other_topics: group_topics(&log, &used),
         telemetry,
         problem: problem.map(|error| error.to_string()),
+        notes,
     })
 }
 
 impl Telemetry {
+    fn describe(log: &Log, source: &mut Source, options: &Options) -> Result<Self, Error> {
+        let camera = match options.camera(source) {
+            Ok(camera) => Some(camera),
+            Err(Error::NoCamera) => None,
+            Err(contradiction) => return Err(contradiction),
+        };
+        let sampled = Sampled::read(log, source)?;
+        let times = log.message_times(&source.channel_ids())?;
+        let roles = source.roles.iter().map(|(&kind, role)| {
+            let role = match role {
+                Ok(role) => {
+                    let (tally, first) = (&sampled.tallies[kind], sampled.first.get(&kind));
+                    Role::Found(Box::new(FoundRole::new(log, role, &times, tally, first)))
+                }
+                Err(reason) => Role::Missing {
+                    missing: reason.clone(),
+                },
+            };
+            (kind, role)
+        });
+        let mut telemetry = Self {
+            profile: ProfileReport::new(source, &options.telemetry.profile),
+            namespace: source.namespace.clone(),
+            runners_up: source.runners_up.clone(),
+            camera: camera.map(CameraReport::from),
+            roles: roles.collect(),
+            would_write: Vec::new(),
+            would_not_write: Vec::new(),
+        };
+        let encoding = Format::choose(options.encoding, source.attitude_channel(log)).encoding;
+        for quantity in Quantity::ALL {
+            let topic = quantity.topic();
+            match telemetry.at_most(quantity, camera) {
+                Ok(at_most) => telemetry.would_write.push(Planned {
+                    topic,
+                    schema: encoding.schema(quantity).name,
+                    encoding: encoding.message_encoding(),
+                    at_most,
+                }),
+                Err(reason) => (telemetry.would_not_write).push(MissingTopic { topic, reason }),
+            }
+        }
+        Ok(telemetry)
+    }
+
+    /// How many messages of a quantity there can be, or why there can be none.
+    fn at_most(&self, quantity: Quantity, camera: Option<Camera>) -> Result<u64, String> {
+        let usable = |kind: Kind, needed: u64| match &self.roles[&kind] {
+            Role::Found(found) if found.usable_at_most() >= needed => Ok(found.usable_at_most()),
+            Role::Found(found) => Err(format!(
+                "it takes {} usable {}, and {} has {}",
+                if needed == 1 { "a" } else { "more than one" },
+                kind.name(),
+                found.topic,
+                found.tally.describe()
+            )),
+            Role::Missing { missing } => Err(missing.clone()),
+        };
+        if camera == Some(Camera::Gimbal) {
+            usable(Kind::Gimbal, 1)?;
+        }
+        match quantity {
+            Quantity::RelativeRpy => Ok(usable(Kind::Attitude, 2)? - 1),
+            Quantity::CameraVelocity => {
+                usable(Kind::Attitude, 1)?;
+                usable(Kind::Velocity, 1)
+            }
+        }
+    }
+
+    /// The error of [`enrich`](crate::enrich()) if there would be nothing to write.
+    fn why_nothing(&self, input: &Path) -> Option<Error> {
+        let reasons = self.would_not_write.iter();
+        let reasons = reasons.map(|missing| format!("  {}: {}", missing.topic, missing.reason));
+        self.would_write.is_empty().then(|| Error::NothingDerived {
+            path: input.into(),
+            details: reasons.collect::<Vec<_>>().join("\n"),
+        })
+    }
+
     fn topics(&self) -> impl Iterator<Item = &str> {
         self.roles.values().filter_map(|role| match role {
             Role::Found(found) => Some(found.topic.as_str()),
@@ -230,78 +355,6 @@ fn group_topics(log: &Log, used: &BTreeSet<&str>) -> Vec<TopicGroup> {
     groups.into_values().collect()
 }
 
-fn describe(log: &Log, mut source: Source, options: &Options) -> Result<Telemetry, Error> {
-    let sampled = Sampled::read(log, &mut source)?;
-    let times = log.message_times(&source.channel_ids())?;
-    let mut roles = BTreeMap::new();
-    for (&kind, role) in &source.roles {
-        let role = match role {
-            Err(reason) => Role::Missing {
-                missing: reason.clone(),
-            },
-            Ok(role) => {
-                let of_topic = || channels(log).filter(|(channel, _)| channel.topic == role.topic);
-                let mut logged: Vec<u64> = of_topic()
-                    .flat_map(|(channel, _)| times.get(&channel.id).cloned().unwrap_or_default())
-                    .collect();
-                logged.sort_unstable();
-                let (channel, _) = of_topic().next().expect("a role has a channel");
-                let schema = log.contents.schema_of(channel);
-                let first_and_last =
-                    [logged.first(), logged.last()].map(|time| *time.unwrap_or(&0));
-                let seconds = (first_and_last[1] - first_and_last[0]) as f64 / 1e9;
-                let gaps = logged.windows(2).map(|pair| pair[1] - pair[0]);
-                let tally = sampled.tallies[kind].clone();
-                Role::Found(Box::new(FoundRole {
-                    topic: role.topic.clone(),
-                    fields: role.fields.iter().map(ToString::to_string).collect(),
-                    encoding: channel.message_encoding.clone(),
-                    schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
-                    messages: logged.len() as u64,
-                    times: first_and_last,
-                    rate_hz: (seconds > 0.0).then(|| (logged.len() - 1) as f64 / seconds),
-                    largest_gap_s: gaps.max().map(|gap| gap as f64 / 1e9),
-                    read: tally.total(),
-                    tally,
-                    first: sampled.first.get(&kind).map(say),
-                }))
-            }
-        };
-        roles.insert(kind, role);
-    }
-    let attitude = source.attitude();
-    let telemetry_channel = source.attitude_channel(log);
-    let encoding = Format::choose(options.encoding, telemetry_channel).encoding;
-    let usable = |kind: Kind| match &roles[&kind] {
-        Role::Found(found) => found.usable_at_most(),
-        Role::Missing { .. } => 0,
-    };
-    let planned = Quantity::ALL.map(|quantity| Planned {
-        topic: quantity.topic(),
-        schema: encoding.schema(quantity).name,
-        encoding: encoding.message_encoding(),
-        at_most: match quantity {
-            Quantity::RelativeRpy => usable(Kind::Attitude).saturating_sub(1),
-            Quantity::CameraVelocity => usable(Kind::Velocity),
-        },
-    });
-    Ok(Telemetry {
-        reason: attitude.reason(),
-        profile: source.profile.name.clone(),
-        namespace: source.namespace.clone(),
-        camera: options
-            .camera(&source)
-            .ok()
-            .map(|camera: Camera| camera.into()),
-        runners_up: source.runners_up.clone(),
-        would_write: planned
-            .into_iter()
-            .filter(|planned| planned.at_most > 0)
-            .collect(),
-        roles,
-    })
-}
-
 /// What was learnt from some of the telemetry's messages.
 struct Sampled {
     tallies: Tallies,
@@ -317,13 +370,20 @@ impl Sampled {
             .filter(|segment| segment.message_counts.keys().any(|id| wanted.contains(id)))
             .collect();
         let length: u64 = segments.iter().map(|segment| segment.length).sum();
-        let step = length.div_ceil(MOST_READ).max(1) as usize;
+        let share = (MOST_READ as f64 / length as f64).min(1.0);
         let mut reader = SegmentReader::new(log);
         let mut sampled = Self {
             tallies: Tallies::default(),
             first: BTreeMap::new(),
         };
-        for segment in segments.into_iter().step_by(step) {
+        let (mut passed, mut read) = (0, 0);
+        for segment in segments {
+            let is_due = read as f64 <= share * passed as f64;
+            passed += segment.length;
+            if !is_due {
+                continue;
+            }
+            read += segment.length;
             for message in reader.read(segment)? {
                 let (_, message) = message?;
                 source.read(&message, |kind, sample| match sample {

@@ -13,9 +13,10 @@ use serde::{Serialize, Serializer};
 
 use crate::{
     camera::Camera,
+    log::Log,
     messages::{Encoding, EncodingChoice},
     sample::{Kind, Tallies, Tally},
-    source::Source,
+    source::{Source, profile::ProfileChoice},
     transform::Breaks,
 };
 pub(crate) use findings::Findings;
@@ -66,6 +67,19 @@ pub struct ProfileReport {
     pub name: String,
     /// Why this one, in words.
     pub reason: String,
+}
+
+impl ProfileReport {
+    pub(crate) fn new(source: &Source, choice: &ProfileChoice) -> Self {
+        let found = source.attitude().reason();
+        Self {
+            name: source.profile.name.clone(),
+            reason: match choice {
+                ProfileChoice::Automatic => format!("chosen because {found}"),
+                ProfileChoice::Given(_) => format!("as asked for; {found}"),
+            },
+        }
+    }
 }
 
 /// How the camera hangs on the drone, with the angles in degrees as they were given.
@@ -195,6 +209,17 @@ pub struct MissingTopic {
     pub topic: &'static str,
     /// Why not, in words.
     pub reason: String,
+}
+
+/// What is lost of a log that breaks off, if anything is.
+pub(crate) fn unread_end(log: &Log) -> Option<String> {
+    let offset = log.breaks_off_at?;
+    let lost = log.file.len() - offset;
+    (lost > 0).then(|| {
+        format!(
+            "the log breaks off at byte {offset}; the {lost} bytes from there on are not readable"
+        )
+    })
 }
 
 /// A path for JSON, which cannot hold every file name that a system allows.

@@ -293,6 +293,15 @@ impl Tally {
     pub fn total(&self) -> u64 {
         self.used + self.dropped.values().sum::<u64>()
     }
+
+    /// In words.
+    pub fn describe(&self) -> String {
+        let mut words = vec![format!("{} of {} usable", self.used, self.total())];
+        for (reason, count) in &self.dropped {
+            words.push(format!("{count} {}", reason.describe()));
+        }
+        words.join(", ")
+    }
 }
 
 /// A tally for each kind of sample.

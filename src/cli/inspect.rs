@@ -5,8 +5,10 @@ use std::{fmt::Write as _, path::PathBuf};
 use clap::Args;
 use flightcam::{
     Error, Options,
-    inspect::{FoundRole, Inspection, Role, Telemetry, TopicGroup, inspect},
+    inspect::{FoundRole, Inspection, Planned, Role, Telemetry, TopicGroup, inspect},
+    report::{MissingTopic, ProfileReport},
     sample::Kind,
+    source::RunnerUp,
 };
 use indicatif::{HumanBytes, HumanCount};
 
@@ -18,12 +20,20 @@ use super::{
 };
 
 /// How many topics of a group are named.
-const NAMED: usize = 6;
+const NAMED: usize = 4;
+
+/// The kinds of sample in the order in which people think of them.
+const KINDS: [(Kind, &str); 4] = [
+    (Kind::Attitude, "Attitude"),
+    (Kind::Velocity, "Velocity"),
+    (Kind::Gimbal, "Gimbal"),
+    (Kind::Position, "Position"),
+];
 
 /// Say which telemetry a log has, and what enrich would make of it
 ///
 /// Nothing is written. On a log with a summary only a part of it is read. The exit code is 0 if enrich would
-/// find what it needs, 1 if not.
+/// find what it needs in the log, 1 if not.
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Arguments {
@@ -70,58 +80,33 @@ fn describe(inspection: &Inspection) -> String {
     if inspection.scanned {
         line(
             "",
-            "it has no summary that accounts for everything, so all of it was read",
+            "all of it was read, because no summary accounts for everything",
         );
     }
     if let Some(telemetry) = &inspection.telemetry {
-        let Telemetry {
-            profile, reason, ..
-        } = telemetry;
-        line("Profile", &format!("{profile}, because {reason}"));
-        for other in telemetry.runners_up.iter().filter(|other| other.fits) {
-            let content = format!(
-                "{} would fit, but not as well: {}",
-                other.profile, other.reason
-            );
-            line("", &content);
-        }
-        line(
-            "Camera",
-            &match telemetry.camera {
-                Some(camera) => camera.to_string(),
-                None => {
-                    "not told by the log: enrich needs --depression DEG or --mount ROLL,PITCH,YAW"
-                        .to_owned()
-                }
-            },
-        );
-        text.push('\n');
-        text.push_str(&table(telemetry));
+        describe_telemetry(&mut line, telemetry);
+    }
+    for note in &inspection.notes {
+        line("Note", note);
+    }
+    if let Some(telemetry) = &inspection.telemetry {
+        let _ = write!(text, "\n{}", table(telemetry));
     }
     if !inspection.other_topics.is_empty() {
-        text.push_str("\nOther topics\n");
+        text.push_str(match inspection.telemetry {
+            Some(_) => "\nOther topics\n",
+            None => "\nTopics\n",
+        });
         for group in &inspection.other_topics {
             let _ = writeln!(text, "  {}", describe_group(group));
         }
     }
-    match (&inspection.problem, &inspection.telemetry) {
-        (Some(problem), _) => {
-            let _ = write!(text, "\nenrich would fail: {problem}");
-        }
-        (None, Some(telemetry)) => {
-            text.push_str("\nenrich would write");
-            for planned in &telemetry.would_write {
-                let messages = plural(planned.at_most, "message");
-                let _ = write!(
-                    text,
-                    "\n  {} ({}, {}): up to {messages}",
-                    planned.topic, planned.schema, planned.encoding
-                );
-            }
-        }
-        (None, None) => {}
-    }
-    text
+    let _ = match (&inspection.problem, &inspection.telemetry) {
+        (Some(problem), _) => write!(text, "\nenrich would fail: {problem}"),
+        (None, Some(telemetry)) => write!(text, "\n{}", describe_plan(telemetry)),
+        (None, None) => Ok(()),
+    };
+    text.trim_end().to_owned()
 }
 
 fn describe_log(inspection: &Inspection) -> String {
@@ -132,7 +117,61 @@ fn describe_log(inspection: &Inspection) -> String {
     format!("{name}: {bytes}, {messages} on {topics}")
 }
 
-/// One row a role, and below it what is missing.
+fn describe_telemetry(line: &mut impl FnMut(&str, &str), telemetry: &Telemetry) {
+    let ProfileReport { name, reason } = &telemetry.profile;
+    line("Profile", &format!("{name}, {reason}"));
+    for other in telemetry.runners_up.iter().filter(|other| other.fits) {
+        let RunnerUp {
+            profile, reason, ..
+        } = other;
+        line("", &format!("{profile} fits less well: {reason}"));
+    }
+    if !telemetry.namespace.is_empty() {
+        line("Vehicle", &telemetry.namespace);
+    }
+    line(
+        "Camera",
+        &match telemetry.camera {
+            Some(camera) => camera.to_string(),
+            None => "not told by the log; give enrich --depression or --mount".to_owned(),
+        },
+    );
+    for (kind, label) in KINDS {
+        match telemetry.roles.get(&kind) {
+            Some(Role::Found(found)) => describe_role(line, label, found),
+            Some(Role::Missing { missing }) => line(label, &format!("none: {missing}")),
+            None => {}
+        }
+    }
+}
+
+fn describe_role(line: &mut impl FnMut(&str, &str), label: &str, found: &FoundRole) {
+    let FoundRole {
+        topic,
+        schema,
+        encoding,
+        ..
+    } = found;
+    let kind = match schema.as_str() {
+        "" => encoding.clone(),
+        schema => format!("{schema}, {encoding}"),
+    };
+    let fields = found.fields.join(", ");
+    line(label, &format!("{topic} ({kind}): {fields}"));
+    if let Some(first) = &found.first {
+        line("", &format!("at first {first}"));
+    }
+    let of_how_many = match found.read == found.messages {
+        true => String::new(),
+        false => format!(" of {} that were read", HumanCount(found.read)),
+    };
+    for (reason, count) in &found.tally.dropped {
+        let count = HumanCount(*count);
+        line("", &format!("{count}{of_how_many} {}", reason.describe()));
+    }
+}
+
+/// The numbers of each role, a row each.
 fn table(telemetry: &Telemetry) -> String {
     let found = telemetry.roles.values().filter_map(|role| match role {
         Role::Found(found) => Some(found.times[0]),
@@ -142,8 +181,6 @@ fn table(telemetry: &Telemetry) -> String {
     let start = found.min().unwrap_or(0);
     let header = [
         "",
-        "topic",
-        "type",
         "messages",
         "rate",
         "largest gap",
@@ -152,56 +189,38 @@ fn table(telemetry: &Telemetry) -> String {
         "to",
     ];
     let mut rows = vec![header.map(str::to_owned)];
-    let mut notes = String::new();
-    // In the order in which people think of them.
-    for kind in [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position] {
-        match telemetry.roles.get(&kind) {
-            Some(Role::Found(found)) => {
-                rows.push(row(kind, found, start));
-                notes.push_str(&note(kind, found));
-            }
-            Some(Role::Missing { missing }) => {
-                let _ = writeln!(notes, "no {}: {missing}", kind.name());
-            }
-            None => {}
+    for (kind, label) in KINDS {
+        if let Some(Role::Found(found)) = telemetry.roles.get(&kind) {
+            rows.push(row(label, found, start));
         }
     }
-    let widths: Vec<usize> = (0..header.len())
-        .map(|column| {
-            let cells = rows.iter().map(|row| row[column].chars().count());
-            cells.max().unwrap_or(0)
-        })
-        .collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
+    let widths: Vec<usize> = (0..header.len()).filter_map(width).collect();
     let mut text = String::new();
-    for row in rows {
-        let cells = row
-            .iter()
-            .zip(&widths)
-            .enumerate()
-            .map(|(column, (cell, &width))| {
-                // Names to the left, numbers to the right.
-                match column {
-                    0..=2 => format!("{cell:<width$}"),
-                    _ => format!("{cell:>width$}"),
-                }
-            });
-        let cells: Vec<String> = cells.collect();
-        let _ = writeln!(text, "{}", cells.join("  ").trim_end());
+    for [label, numbers @ ..] in &rows {
+        let _ = write!(text, "{label:<8}");
+        for (number, width) in numbers.iter().zip(&widths[1..]) {
+            let _ = write!(text, "  {number:>width$}");
+        }
+        text.push('\n');
     }
-    text + &notes
+    let seconds = start as f64 / 1e9;
+    let _ = writeln!(
+        text,
+        "Times count from the first of these messages, at {seconds:.3} s in log time."
+    );
+    text
 }
 
-fn row(kind: Kind, found: &FoundRole, start: u64) -> [String; 9] {
+fn row(label: &str, found: &FoundRole, start: u64) -> [String; 7] {
     let since = |time: u64| format!("{:.2} s", (time - start) as f64 / 1e9);
     let or_dash = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
     [
-        kind.name().to_owned(),
-        found.topic.clone(),
-        format!("{} ({})", found.schema, found.encoding),
+        label.to_owned(),
         HumanCount(found.messages).to_string(),
         or_dash(found.rate_hz.map(|rate| format!("{rate:.1} Hz"))),
         or_dash(found.largest_gap_s.map(|gap| format!("{gap:.3} s"))),
-        percentage(found.share_invalid()),
+        percentage(found.share_invalid),
         since(found.times[0]),
         since(found.times[1]),
     ]
@@ -215,51 +234,42 @@ fn percentage(share: f64) -> String {
     }
 }
 
-/// What the table has no room for.
-fn note(kind: Kind, found: &FoundRole) -> String {
-    let mut text = String::new();
-    let fields = found.fields.join(", ");
-    let name = kind.name();
-    let _ = write!(text, "{name}: {fields}");
-    if let Some(first) = &found.first {
-        let _ = write!(text, "; at first {first}");
+fn describe_plan(telemetry: &Telemetry) -> String {
+    let mut text = "enrich would write\n".to_owned();
+    for planned in &telemetry.would_write {
+        let Planned {
+            topic,
+            schema,
+            encoding,
+            at_most,
+        } = planned;
+        let messages = plural(*at_most, "message");
+        let _ = writeln!(text, "  {topic} ({schema}, {encoding}): up to {messages}");
     }
-    text.push('\n');
-    for (reason, count) in &found.tally.dropped {
-        let read = match found.read == found.messages {
-            true => String::new(),
-            false => format!(" of {} that were looked at", HumanCount(found.read)),
-        };
-        let _ = writeln!(
-            text,
-            "{name}: {}{read} {}",
-            HumanCount(*count),
-            reason.describe()
-        );
+    for MissingTopic { topic, reason } in &telemetry.would_not_write {
+        let _ = writeln!(text, "but not\n  {topic}: {reason}");
     }
     text
 }
 
 fn describe_group(group: &TopicGroup) -> String {
-    let named: Vec<&str> = group
-        .topics
-        .iter()
-        .take(NAMED)
-        .map(String::as_str)
-        .collect();
-    let more = match group.topics.len() - named.len() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
     let schemas = match group.schemas.as_str() {
         "" => "without schema",
         schemas => schemas,
     };
+    let messages = plural(group.messages, "message");
+    let topics: Vec<&str> = group.topics.iter().map(String::as_str).collect();
+    let encoding = &group.encoding;
+    if let [topic] = topics[..] {
+        return format!("{schemas} ({encoding}): {messages} on {topic}");
+    }
+    let named = topics[..topics.len().min(NAMED)].join(", ");
+    let more = match topics.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
     format!(
-        "{schemas} ({}): {} on {}: {}{more}",
-        group.encoding,
-        plural(group.messages, "message"),
-        plural(group.topics.len() as u64, "topic"),
-        named.join(", ")
+        "{schemas} ({encoding}): {messages} on {} topics\n    {named}{more}",
+        topics.len()
     )
 }

@@ -19,8 +19,8 @@ const FOOTER_LENGTH: usize = 8 + 8 + 4;
 const DATA_END_LENGTH: usize = 4;
 
 /// The bytes of a message index before its entries (frame, channel id, length), and of one entry.
-const MESSAGE_INDEX_PREFIX: u64 = FRAME_LENGTH as u64 + 2 + 4;
-const MESSAGE_INDEX_ENTRY: u64 = 8 + 8;
+pub const MESSAGE_INDEX_PREFIX: u64 = FRAME_LENGTH as u64 + 2 + 4;
+pub const MESSAGE_INDEX_ENTRY: u64 = 8 + 8;
 
 /// The end of a log that was closed properly.
 pub struct Ending {

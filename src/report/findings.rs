@@ -9,15 +9,15 @@ use mcap::records::Statistics;
 
 use super::{
     CameraReport, EncodingReport, MissingTopic, ProfileReport, Report, SampleReport, WrittenTopic,
-    ros2,
+    ros2, unread_end,
 };
 use crate::{
     camera::Camera,
     derived::Quantity,
     log::{Log, ScanReason},
     options::Options,
-    sample::{Kind, Tallies, Tally},
-    source::{Source, profile::ProfileChoice},
+    sample::{Kind, Tallies},
+    source::Source,
     transform::{Breaks, Outcome},
     writer::Appended,
 };
@@ -67,7 +67,7 @@ impl<'a> Findings<'a> {
             Quantity::RelativeRpy if self.attitude.tally.used < 2 => format!(
                 "it takes two usable attitude samples, and {} has {}",
                 self.attitude.topic.as_deref().unwrap_or_default(),
-                describe(&self.attitude.tally)
+                self.attitude.tally.describe()
             ),
             Quantity::RelativeRpy => format!(
                 "no two attitude samples belong together (gaps between them: {}, resets: {})",
@@ -78,7 +78,7 @@ impl<'a> Findings<'a> {
                 None => format!(
                     "of the velocity samples on {}, {}",
                     self.velocity.topic.as_deref().unwrap_or_default(),
-                    describe(&self.velocity.tally)
+                    self.velocity.tally.describe()
                 ),
             },
         }
@@ -139,18 +139,11 @@ impl<'a> Findings<'a> {
         let has_messages = |quantity: &Quantity| appended.messages.contains_key(quantity);
         let (written, missing): (Vec<Quantity>, Vec<Quantity>) =
             Quantity::ALL.into_iter().partition(has_messages);
-        let reason = self.source.attitude().reason();
         Report {
             notes: self.notes(&output, &appended),
             input: self.log.file.path().into(),
             output,
-            profile: ProfileReport {
-                name: self.source.profile.name.clone(),
-                reason: match self.options.telemetry.profile {
-                    ProfileChoice::Automatic => format!("chosen because {reason}"),
-                    ProfileChoice::Given(_) => format!("as asked for; {reason}"),
-                },
-            },
+            profile: ProfileReport::new(&self.source, &self.options.telemetry.profile),
             camera: self.camera.into(),
             max_gap_s: self.options.max_gap.seconds(),
             written: written
@@ -205,12 +198,7 @@ impl<'a> Findings<'a> {
                 "the log was never closed; all of its records were used, and the result is closed"
                     .to_owned(),
             ),
-            (Some(offset), _) => {
-                let lost = log.file.len() - offset;
-                Some(format!(
-                    "the log breaks off at byte {offset}; the {lost} bytes from there on are not readable"
-                ))
-            }
+            (Some(_), _) => unread_end(log),
             (None, Some(ScanReason::NotClosed)) => Some(
                 "the log does not end as a closed log does, but its data is whole; the result is closed"
                     .to_owned(),
@@ -257,13 +245,4 @@ impl<'a> Findings<'a> {
         let ros2 = ros2::notes(log, output, self.options.encoding, self.encoding.name);
         notes.into_iter().flatten().chain(ros2).collect()
     }
-}
-
-/// A tally in words.
-fn describe(tally: &Tally) -> String {
-    let mut words = vec![format!("{} of {} usable", tally.used, tally.total())];
-    for (reason, count) in &tally.dropped {
-        words.push(format!("{count} {}", reason.describe()));
-    }
-    words.join(", ")
 }
