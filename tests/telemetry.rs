@@ -328,6 +328,26 @@ fn a_json_field_may_be_one_that_the_schema_leaves_open_or_the_first_message_lack
 }
 
 #[test]
+fn a_json_list_within_a_list_is_no_list_of_numbers() {
+    let profile = r#"
+        name = "lists"
+        [attitude]
+        orientation.quaternion = "/json.q"
+    "#;
+    let mut log = Logbook::new();
+    let channel = log.json("/json");
+    for (time, q) in ["[1,0,0,0]", "[[1],0,0,0]", "[0,0,0,[1]]", "[0,0,0,1]"]
+        .into_iter()
+        .enumerate()
+    {
+        log.put(channel, time as u64, format!(r#"{{"q":{q}}}"#).as_bytes());
+    }
+    let (derived, report) = log.enrich(Some(profile)).expect("a result");
+    assert_eq!(derived.len(), 1);
+    assert_eq!(dropped(&report.attitude.tally), [("undecodable", 2)]);
+}
+
+#[test]
 fn two_topics_that_fit_equally_well_are_not_guessed_between() {
     let mut log = Logbook::new();
     for topic in ["/drone1/state", "/drone2/state"] {

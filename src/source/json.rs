@@ -294,7 +294,12 @@ impl<'de> DeserializeSeed<'de> for NodeSeed<'_> {
             FieldTree::Leaf(leaf) => {
                 let words = leaf.words.as_deref();
                 let slot = &mut slots.values[leaf.slot];
-                LeafVisitor { words, slot }.deserialize(deserializer)
+                LeafVisitor {
+                    words,
+                    is_element: false,
+                    slot,
+                }
+                .deserialize(deserializer)
             }
         }
     }
@@ -338,6 +343,8 @@ impl<'de> Visitor<'de> for ElementsVisitor<'_> {
 /// A number, a truth value, a list of numbers, a text, or `null` for a field that is missing.
 struct LeafVisitor<'a> {
     words: Option<&'a [String]>,
+    /// Whether it stands in a list, in which no further list may stand.
+    is_element: bool,
     slot: &'a mut FieldValue,
 }
 
@@ -393,17 +400,22 @@ impl<'de> Visitor<'de> for LeafVisitor<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        if self.is_element {
+            return Err(serde::de::Error::invalid_type(Unexpected::Seq, &"a number"));
+        }
         self.slot.set_empty_list();
         let mut element = FieldValue::default();
-        loop {
-            let (words, slot) = (None, &mut element);
-            if seq
-                .next_element_seed(LeafVisitor { words, slot })?
-                .is_none()
-            {
-                return Ok(());
-            }
-            self.slot.push(element.number().unwrap_or(f64::NAN));
+        let mut read_element = || {
+            seq.next_element_seed(LeafVisitor {
+                words: None,
+                is_element: true,
+                slot: &mut element,
+            })
+            .map(|read| read.map(|()| element.number().unwrap_or(f64::NAN)))
+        };
+        while let Some(number) = read_element()? {
+            self.slot.push(number);
         }
+        Ok(())
     }
 }
