@@ -279,13 +279,15 @@ impl Telemetry {
     fn at_most(&self, quantity: Quantity, camera: Option<Camera>) -> Result<u64, String> {
         let usable = |kind: Kind, needed: u64| match &self.roles[&kind] {
             Role::Found(found) if found.usable_at_most() >= needed => Ok(found.usable_at_most()),
-            Role::Found(found) => Err(format!(
-                "it takes {} usable {}, and {} has {}",
-                if needed == 1 { "a" } else { "more than one" },
-                kind.name(),
-                found.topic,
-                found.tally.describe()
-            )),
+            Role::Found(found) => {
+                let (topic, kind) = (&found.topic, kind.name());
+                let samples = match needed {
+                    1 => format!("a usable {kind} sample"),
+                    _ => format!("{needed} usable {kind} samples"),
+                };
+                let tally = found.tally.describe();
+                Err(format!("it takes {samples}, and {topic} has {tally}"))
+            }
             Role::Missing { missing } => Err(missing.clone()),
         };
         if camera == Some(Camera::Gimbal) {

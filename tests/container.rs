@@ -2,13 +2,13 @@
 
 mod common;
 
-use common::*;
+use common::{shapes::any_shape, *};
 use flightcam::{
     Error, enrich,
     log::record::{parse, push_record, serialize},
 };
 use mcap::{
-    Compression, Summary, WriteOptions,
+    Summary,
     records::{ChunkIndex, Statistics, op},
 };
 use proptest::prelude::*;
@@ -56,40 +56,6 @@ fn the_same_log_gives_the_same_bytes() {
     let (first, _) = enrich_bytes(&log).expect("a result");
     let (second, _) = enrich_bytes(&log).expect("a result");
     assert!(first == second);
-}
-
-fn any_shape() -> impl Strategy<Value = Shape> {
-    let flags = prop::collection::vec(any::<bool>(), 12);
-    let compression =
-        prop::sample::select(vec![None, Some(Compression::Zstd), Some(Compression::Lz4)]);
-    let ids = prop::sample::select(vec![[1, 2], [0, 1], [65535, 7], [65534, 65535], [9, 0]]);
-    let schema_id = prop::sample::select(vec![1, 2, 65535]);
-    (flags, compression, 200..20_000u64, ids, schema_id).prop_map(
-        |(flags, compression, chunk_size, channel_ids, schema_id)| Shape {
-            options: WriteOptions::new()
-                .compression_threads(0)
-                .compression(compression)
-                .chunk_size(Some(chunk_size))
-                // Logs without chunks are rarer than one in two.
-                .use_chunks(flags[0] || flags[1])
-                .emit_message_indexes(flags[2])
-                .emit_chunk_indexes(flags[3])
-                .emit_statistics(flags[4])
-                .emit_summary_offsets(flags[5])
-                .repeat_channels(flags[6])
-                .repeat_schemas(flags[6])
-                .calculate_chunk_crcs(flags[7])
-                // Without the chunks' checksums mcap 0.26 writes a wrong one for the data section.
-                .calculate_data_section_crc(flags[7] && flags[8])
-                .calculate_summary_section_crc(flags[9])
-                .emit_attachment_indexes(flags[2])
-                .emit_metadata_indexes(flags[4]),
-            topic_after_topic: flags[10],
-            attachment_and_metadata: flags[11],
-            channel_ids,
-            schema_id,
-        },
-    )
 }
 
 proptest! {

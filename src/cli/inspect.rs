@@ -91,17 +91,15 @@ fn describe(inspection: &Inspection) -> String {
     }
     if let Some(telemetry) = &inspection.telemetry {
         let _ = write!(text, "\n{}", table(telemetry));
-    }
-    if !inspection.other_topics.is_empty() {
-        text.push_str(match inspection.telemetry {
-            Some(_) => "\nOther topics\n",
-            None => "\nTopics\n",
-        });
+        if !inspection.other_topics.is_empty() {
+            text.push_str("\nOther topics\n");
+        }
         for group in &inspection.other_topics {
             let _ = writeln!(text, "  {}", describe_group(group));
         }
     }
     let _ = match (&inspection.problem, &inspection.telemetry) {
+        // Where there is no telemetry, the problem says what else there is.
         (Some(problem), _) => write!(text, "\nenrich would fail: {problem}"),
         (None, Some(telemetry)) => write!(text, "\n{}", describe_plan(telemetry)),
         (None, None) => Ok(()),

@@ -6,6 +6,7 @@ pub mod logbook;
 pub mod message;
 pub mod ros;
 pub mod selecting;
+pub mod shapes;
 pub mod telemetry;
 pub mod topics;
 
