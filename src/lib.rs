@@ -31,7 +31,7 @@
 //! | [`messages`] | how derived values are said in protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
 //! | [`writer`] | derived values → channels appended to a log; destinations | log, derived, messages |
 //! | [`mod@enrich`] | the pipeline | all of the above |
-//! | [`mod@inspect`] | what a log has and what would come of it | log, source, options, report |
+//! | [`mod@inspect`] | what a log has and what would come of it | all but transform and reader |
 //! | [`options`] | what the user decides about a run | camera, source, transform, messages |
 //! | [`report`] | what a run found and did | what it reports on |
 //! | [`error`] | what can go wrong, said so that the user knows what to do | |

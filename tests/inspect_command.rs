@@ -379,6 +379,14 @@ fn what_cannot_be_read_is_an_error() {
     let mut flight = Folder::with_flight().read(LOG);
     flight[100_000..100_100].fill(0xff);
     Folder::with(LOG, flight).refuses(&format!("inspect {LOG}"), 1, "damaged at byte");
+    // Here already the search for the telemetry fails, which looks into JSON messages.
+    let mut states = log(&[flat("/state")]);
+    let zstd = states
+        .windows(4)
+        .position(|bytes| bytes == b"\x28\xb5\x2f\xfd");
+    let zstd = zstd.expect("a compressed chunk");
+    states[zstd..zstd + 40].fill(0xff);
+    Folder::with(LOG, states).refuses(&format!("inspect {LOG}"), 1, "damaged at byte");
     let message = "`px4` … px4-ulog, px4-ros2";
     Folder::with_flight().refuses(&format!("inspect {LOG} --profile px4"), 2, message);
 }

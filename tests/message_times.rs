@@ -92,21 +92,30 @@ fn with_indexes(shape: &Shape, spoil: impl Fn(&mut Vec<u8>, MessageIndex)) -> Pa
     parts
 }
 
+/// With times that are those of no message.
+fn falsified(mut index: MessageIndex) -> MessageIndex {
+    (index.records.iter_mut()).for_each(|entry| entry.log_time += 1);
+    index
+}
+
 #[test]
 fn an_index_that_says_something_else_than_it_should_is_not_believed() {
     let of_another_channel = |body: &mut Vec<u8>, mut index: MessageIndex| {
         index.channel_id = 2;
-        *body = serialize(&index);
+        *body = serialize(&falsified(index));
     };
     let shorter_than_its_record = |body: &mut Vec<u8>, mut index: MessageIndex| {
         let length = body.len();
         index.records.pop();
-        *body = serialize(&index);
+        *body = serialize(&falsified(index));
         body.resize(length, 0);
     };
-    let endless = |body: &mut Vec<u8>, _| body[2..6].fill(0xff);
-    let spoilers: [&dyn Fn(&mut Vec<u8>, MessageIndex); 3] =
-        [&of_another_channel, &shorter_than_its_record, &endless];
+    let endless = |body: &mut Vec<u8>, index| {
+        *body = serialize(&falsified(index));
+        body[2..6].fill(0xff);
+    };
+    type Spoiler<'a> = &'a dyn Fn(&mut Vec<u8>, MessageIndex);
+    let spoilers: [Spoiler; 3] = [&of_another_channel, &shorter_than_its_record, &endless];
     for spoil in spoilers {
         let shape = Shape::default();
         let log = with_indexes(&shape, spoil).join();
@@ -119,9 +128,10 @@ fn an_index_that_says_something_else_than_it_should_is_not_believed() {
 fn a_record_that_is_no_message_index_is_not_believed() {
     let expected = counted(&Shape::default().write(), [1, 2]);
     let mut parts = Parts::of(&Shape::default().write());
-    for (opcode, _) in &mut parts.data {
+    for (opcode, body) in &mut parts.data {
         if *opcode == op::MESSAGE_INDEX {
             *opcode = 0x90;
+            *body = serialize(&falsified(parse(body).expect("a message index")));
         }
     }
     parts.data_section_crc = 0;

@@ -58,11 +58,7 @@ impl Log {
         channel_id: u16,
         count: u64,
     ) -> Result<Option<impl Iterator<Item = u64> + use<>>, Error> {
-        let SegmentKind::Chunk {
-            index,
-            is_indexed: true,
-        } = &segment.kind
-        else {
+        let SegmentKind::Chunk { index, .. } = &segment.kind else {
             return Ok(None);
         };
         let offsets = &index.record.message_index_offsets;

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // Each test binary uses its own part of this.
 
 pub mod folder;
+pub mod inspection;
 pub mod logbook;
 pub mod message;
 pub mod ros;
