@@ -47,12 +47,13 @@ pub fn enrich(
     let destination = Destination::new(input, output, options.overwrite)?;
     let log = Log::open(input)?;
     provenance::check_topics_are_free(&log)?;
-    let mut source = Source::select(&log, &options.telemetry)?;
+    let source = Source::select(&log, &options.telemetry)?;
     let camera = options.camera(&source)?;
-    source.keep(match camera {
+    let kinds: &[Kind] = match camera {
         Camera::Gimbal => &[Kind::Attitude, Kind::Velocity, Kind::Gimbal],
         Camera::Stabilised { .. } | Camera::Fixed(_) => &[Kind::Attitude, Kind::Velocity],
-    });
+    };
+    let source = source.keep(&log, &options.telemetry, kinds)?;
     let telemetry = source.attitude_channel(&log);
     let format = Format::choose(options.encoding, telemetry);
 

@@ -19,8 +19,7 @@ use crate::{
     source::Source,
 };
 
-/// Reads a log's samples in time order; at equal times attitude before velocity, then in the order of the
-/// file.
+/// Reads a log's samples in time order; at equal times in the order of their kinds, then of the file.
 pub struct Reader<'a> {
     source: Source,
     messages: SegmentReader<'a>,

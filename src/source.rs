@@ -29,6 +29,7 @@ use crate::{
     sample::{DropReason, Kind, Sample},
 };
 use channel::{ChannelSource, LargestAngles};
+use finder::Fit;
 use path::FieldPath;
 use profile::Profile;
 
@@ -43,6 +44,7 @@ pub struct Source {
     pub roles: BTreeMap<Kind, Result<RoleSource, String>>,
     /// The other profiles that were tried, the better ones first.
     pub runners_up: Vec<RunnerUp>,
+    fit: Fit,
     channels: BTreeMap<u16, ChannelSource>,
 }
 
@@ -104,11 +106,6 @@ impl Source {
     /// The channels that have telemetry.
     pub fn channel_ids(&self) -> BTreeSet<u16> {
         self.channels.keys().copied().collect()
-    }
-
-    /// Reads only these kinds of sample.
-    pub fn keep(&mut self, kinds: &[Kind]) {
-        self.channels.retain(|_, channel| channel.keep(kinds));
     }
 
     /// Whether the times of samples are log times.

@@ -416,17 +416,14 @@ fn a_time_is_the_logs_the_publishers_or_a_fields() {
     for (argument, expected) in [
         ("log", TimeSource::LogTime),
         ("publish", TimeSource::PublishTime),
-        (
-            "header.stamp",
-            of_field("header.stamp", TimeUnit::Nanoseconds),
-        ),
+        ("header.stamp", of_field("header.stamp", None)),
         (
             "time_usec:us",
-            of_field("time_usec", TimeUnit::Microseconds),
+            of_field("time_usec", Some(TimeUnit::Microseconds)),
         ),
-        ("t[1]:ms", of_field("t[1]", TimeUnit::Milliseconds)),
-        ("t:s", of_field("t", TimeUnit::Seconds)),
-        ("t:ns", of_field("t", TimeUnit::Nanoseconds)),
+        ("t[1]:ms", of_field("t[1]", Some(TimeUnit::Milliseconds))),
+        ("t:s", of_field("t", Some(TimeUnit::Seconds))),
+        ("t:ns", of_field("t", Some(TimeUnit::Nanoseconds))),
     ] {
         assert_eq!(argument.parse(), Ok(expected), "{argument}");
     }

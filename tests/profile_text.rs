@@ -95,7 +95,7 @@ fn a_profile_with_everything_is_the_same_when_written_and_read_again() {
     let TimeSource::Field { unit, .. } = profile.time else {
         panic!("a time of a field");
     };
-    assert_eq!(unit, TimeUnit::Microseconds);
+    assert_eq!(unit, Some(TimeUnit::Microseconds));
     let test = |alternative: usize| {
         profile.attitude[alternative]
             .place

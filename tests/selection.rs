@@ -61,8 +61,10 @@ mod of_profiles {
     #[test]
     fn one_that_finds_a_velocity_goes_before_one_that_does_not() {
         let [px4, _] = px4();
-        let both = [px4, flat("/state")];
-        selects(&both, &[], ("flat", "/state", "/state"));
+        let [pose, twist] = mavros();
+        let (pose_name, twist_name) = (pose.name, twist.name);
+        let both = [px4, pose, twist];
+        selects(&both, &[], ("mavros", pose_name, twist_name));
         let source = select_with(&both, &Request::default()).expect("a source");
         let runner_up = &source.runners_up[0];
         assert_eq!(runner_up.profile, "px4-ros2");
@@ -91,7 +93,8 @@ mod of_profiles {
         let folder = Folder::with(LOG, log(&[px4, odometry("/odom"), flat("/state")]));
         let opened = Log::open(&folder.path(LOG)).expect("a log");
         let source = Source::compare(&opened, &Request::default()).expect("a source");
-        assert_eq!(used(&source), ("nav-msgs", "/odom", "/odom"));
+        // What a topic's name tells to be the vehicle's goes before what may be anything's, velocity or not.
+        assert_eq!(source.profile.name, "px4-ros2");
         let tried = source
             .runners_up
             .iter()
@@ -100,7 +103,7 @@ mod of_profiles {
         let unfit = ["px4-ulog", "mavros", "ardupilot-ros2", "dji-osdk"].map(|name| (name, false));
         assert_eq!(
             tried,
-            [&[("flat", true), ("px4-ros2", true)][..], &unfit].concat()
+            [&[("nav-msgs", true), ("flat", true)][..], &unfit].concat()
         );
     }
 }

@@ -95,6 +95,7 @@ impl<'a> Findings<'a> {
                 ("camera", CameraReport::from(self.camera).to_string()),
                 ("max_gap_s", options.max_gap.seconds().to_string()),
                 ("profile", source.profile.name.clone()),
+                ("namespace", source.namespace.clone()),
                 (
                     "profile_toml",
                     profile_toml.expect("a profile was read from TOML"),

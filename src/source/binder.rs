@@ -141,7 +141,7 @@ impl<'a> Binder<'a> {
         Ok(match &condition.test {
             Test::Is(number) => BoundCondition {
                 slot: self.number(path)?,
-                test: BoundTest::Is(*number as f64),
+                test: BoundTest::Is(*number),
             },
             Test::HasBits(bits) => BoundCondition {
                 slot: self.number(path)?,
@@ -155,7 +155,7 @@ impl<'a> Binder<'a> {
                 };
                 BoundCondition {
                     slot,
-                    test: BoundTest::Is(place as f64),
+                    test: BoundTest::Is(place as i64),
                 }
             }
         })
@@ -184,10 +184,14 @@ impl<'a> Binder<'a> {
                 let wanted = "a number or a message of seconds and nanoseconds";
                 Err(wrong_shape(path, wanted, &kind))
             }
-            _ => Ok(BoundTime::Number {
-                slot: self.slot(path, Shape::Number),
-                unit,
-            }),
+            None => Ok(BoundTime::LogTime),
+            Some(_) => match unit {
+                Some(unit) => Ok(BoundTime::Number {
+                    slot: self.slot(path, Shape::Number),
+                    unit,
+                }),
+                None => Err(Unresolved::NoUnit { path: path.clone() }),
+            },
         }
     }
 

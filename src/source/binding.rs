@@ -41,7 +41,7 @@ pub struct BoundCondition {
 /// What the slot must hold.
 #[derive(Debug)]
 pub enum BoundTest {
-    Is(f64),
+    Is(i64),
     HasBits(u64),
 }
 

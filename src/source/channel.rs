@@ -81,12 +81,6 @@ impl ChannelSource {
         }
     }
 
-    /// Reads only these kinds of sample; tells whether any is left.
-    pub fn keep(&mut self, kinds: &[Kind]) -> bool {
-        self.roles.retain(|role| kinds.contains(&role.kind));
-        !self.roles.is_empty()
-    }
-
     /// Whether the times of samples are log times.
     pub fn is_in_log_time(&self) -> bool {
         let mut readings = self.roles.iter().flat_map(|role| &role.readings);
@@ -112,10 +106,10 @@ fn reading_for<'a>(role: &'a Role, values: &[FieldValue]) -> Result<&'a Reading,
 
 impl BoundCondition {
     fn holds(&self, values: &[FieldValue]) -> Result<bool, DropReason> {
-        let number = number(values, self.slot)?;
+        let number = values[self.slot].exact().ok_or(DropReason::MissingField)?;
         Ok(match self.test {
-            BoundTest::Is(wanted) => number == wanted,
-            BoundTest::HasBits(bits) => number as u64 & bits != 0,
+            BoundTest::Is(wanted) => number.is(wanted),
+            BoundTest::HasBits(bits) => number.bits() & bits != 0,
         })
     }
 }
@@ -135,7 +129,10 @@ impl Reading {
                 stamp,
                 orientation: convention.attitude(orientation.read(values)?),
                 reset_counter: match reset_counter {
-                    Some(slot) => Some(number(values, *slot)? as u64),
+                    Some(slot) => {
+                        let counter = values[*slot].exact().ok_or(DropReason::MissingField)?;
+                        Some(counter.bits())
+                    }
                     None => None,
                 },
             }),

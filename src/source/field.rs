@@ -96,6 +96,26 @@ impl Number {
     }
 }
 
+impl Number {
+    /// Whether it is this integer.
+    pub fn is(self, integer: i64) -> bool {
+        match self {
+            Self::Real(number) => number == integer as f64,
+            Self::Signed(number) => number == integer,
+            Self::Unsigned(number) => i64::try_from(number) == Ok(integer),
+        }
+    }
+
+    /// The bits of an integer, of a negative one in two's complement.
+    pub fn bits(self) -> u64 {
+        match self {
+            Self::Real(number) => number as i64 as u64,
+            Self::Signed(number) => number as u64,
+            Self::Unsigned(number) => number,
+        }
+    }
+}
+
 impl Default for Number {
     fn default() -> Self {
         Self::Real(0.0)

@@ -209,11 +209,13 @@ impl<'a> Finder<'a> {
         namespace: &str,
         topic: &str,
     ) -> Result<Vec<FieldPath>, Unresolved> {
-        let attitude = self.bind::<AttitudeSource>(profile, namespace, topic, Some(topic));
+        let alternatives = self.at_topic::<AttitudeSource>(profile, namespace, topic, topic);
+        let attitude = self.bind(profile, topic, &alternatives);
         if !self.requires(profile, Kind::Velocity) || self.told.contains_key(&Kind::Velocity) {
             return attitude;
         }
-        let velocity = self.bind::<VelocitySource>(profile, namespace, topic, Some(topic));
+        let alternatives = self.at_topic::<VelocitySource>(profile, namespace, topic, topic);
+        let velocity = self.bind(profile, topic, &alternatives);
         match attitude {
             Ok(fields) => velocity.map(|_| fields),
             Err(unresolved) => Err(unresolved.and(velocity.err())),
@@ -281,7 +283,7 @@ impl<'a> Finder<'a> {
                 .flat_map(|pattern| pattern.matches(self.topics.keys().copied()));
             let own = own.filter(|_| place.topics.is_empty());
             for topic in named.chain(own) {
-                match self.bind::<A>(profile, namespace, topic, own) {
+                match self.bind(profile, topic, &[alternative]) {
                     Ok(fields) => {
                         let topic = topic.to_owned();
                         return Ok(Ok(RoleSource { topic, fields }));
@@ -320,38 +322,48 @@ impl<'a> Finder<'a> {
         }))
     }
 
-    /// Resolves a role's fields against every channel of a topic; gives their names.
+    /// Resolves the fields of some alternatives against every channel of a topic; gives their names.
     fn bind<A: Alternative>(
         &self,
         profile: &Profile,
-        namespace: &str,
         topic: &str,
-        own: Option<&str>,
+        alternatives: &[&A],
     ) -> Result<Vec<FieldPath>, Unresolved> {
         let mut fields = Vec::new();
         for channel in &self.topics[topic] {
-            let alternatives = self.alternatives::<A>(profile, namespace, channel, own)?;
+            let alternatives = self.of_type(channel, alternatives.iter().copied())?;
             let schema = self.schema(channel)?;
             fields = bind_role(&mut Binder::new(&schema), profile, &alternatives)?.fields;
         }
         Ok(fields)
     }
 
-    /// The alternatives of a role that are meant for a channel.
-    fn alternatives<'p, A: Alternative>(
+    /// Those alternatives of a role that are meant for a topic; `own` is the attitude's.
+    fn at_topic<'p, A: Alternative>(
         &self,
         profile: &'p Profile,
         namespace: &str,
-        channel: &Channel,
-        own: Option<&str>,
-    ) -> Result<Vec<&'p A>, Unresolved> {
-        let topic = channel.topic.as_str();
+        topic: &str,
+        own: &str,
+    ) -> Vec<&'p A> {
         let is_at_topic = |place: &Place| match place.topics.as_slice() {
-            [] => own == Some(topic),
+            [] => own == topic,
             topics => {
                 (topics.iter()).any(|text| self.pattern::<A>(namespace, text).is_match(topic))
             }
         };
+        let alternatives = A::of(profile).iter();
+        alternatives
+            .filter(|source| is_at_topic(source.place()))
+            .collect()
+    }
+
+    /// Those alternatives that are meant for a channel's type of message.
+    fn of_type<'p, A: Alternative>(
+        &self,
+        channel: &Channel,
+        alternatives: impl Iterator<Item = &'p A>,
+    ) -> Result<Vec<&'p A>, Unresolved> {
         let schema = self.log.contents.schema_of(channel);
         let name = schema.map_or("", |schema| schema.name.as_str());
         let plain = |name: &str| name.replace("/msg/", "/");
@@ -359,9 +371,8 @@ impl<'a> Finder<'a> {
             let schemas = &place.schemas;
             schemas.is_empty() || schemas.iter().any(|wanted| plain(wanted) == plain(name))
         };
-        let (fitting, others): (Vec<&A>, Vec<&A>) = (A::of(profile).iter())
-            .filter(|source| is_at_topic(source.place()))
-            .partition(|source| is_of_type(source.place()));
+        let (fitting, others): (Vec<&A>, Vec<&A>) =
+            alternatives.partition(|source| is_of_type(source.place()));
         match others.first() {
             Some(other) if fitting.is_empty() => Err(Unresolved::OtherType {
                 name: name.to_owned(),
@@ -378,22 +389,25 @@ impl<'a> Finder<'a> {
         fit: &Fit,
         channel: &Channel,
     ) -> Result<Role, Unresolved> {
-        let own = Some(fit.attitude.topic.as_str());
-        let alternatives = self.alternatives::<A>(profile, &fit.namespace, channel, own)?;
+        let own = fit.attitude.topic.as_str();
+        let at_topic = self.at_topic::<A>(profile, &fit.namespace, &channel.topic, own);
+        let alternatives = self.of_type(channel, at_topic.into_iter())?;
         bind_role(binder, profile, &alternatives)
     }
 
-    /// How to read each channel of a fit's topics.
+    /// How to read each channel of a fit's topics for some kinds of sample.
     pub fn channels_of(
         &self,
         profile: &Profile,
         fit: &Fit,
+        wanted: &[Kind],
     ) -> Result<BTreeMap<u16, ChannelSource>, Error> {
         let others =
             (fit.others.iter()).filter_map(|(&kind, role)| Some((kind, role.as_ref().ok()?)));
         // In the order of kinds, in which the samples of one message belong.
-        let roles: BTreeMap<Kind, &RoleSource> =
-            others.chain([(Kind::Attitude, &fit.attitude)]).collect();
+        let roles: BTreeMap<Kind, &RoleSource> = (others.chain([(Kind::Attitude, &fit.attitude)]))
+            .filter(|(kind, _)| wanted.contains(kind))
+            .collect();
         let topics: BTreeSet<&str> = roles.values().map(|role| role.topic.as_str()).collect();
         let mut channels = BTreeMap::new();
         for channel in topics.iter().flat_map(|topic| &self.topics[topic]) {

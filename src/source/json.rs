@@ -348,6 +348,16 @@ struct LeafVisitor<'a> {
     slot: &'a mut FieldValue,
 }
 
+impl LeafVisitor<'_> {
+    /// Sets a number, which is none of the wanted words.
+    fn set(self, number: impl Into<Number>) {
+        match self.words {
+            Some(words) => self.slot.set(words.len() as u64),
+            None => self.slot.set(number),
+        }
+    }
+}
+
 impl<'de> DeserializeSeed<'de> for LeafVisitor<'_> {
     type Value = ();
 
@@ -364,22 +374,22 @@ impl<'de> Visitor<'de> for LeafVisitor<'_> {
     }
 
     fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<(), E> {
-        self.slot.set(number);
+        self.set(number);
         Ok(())
     }
 
     fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<(), E> {
-        self.slot.set(number);
+        self.set(number);
         Ok(())
     }
 
     fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<(), E> {
-        self.slot.set(number);
+        self.set(number);
         Ok(())
     }
 
     fn visit_bool<E: serde::de::Error>(self, truth: bool) -> Result<(), E> {
-        self.slot.set(truth);
+        self.set(truth);
         Ok(())
     }
 
@@ -400,7 +410,7 @@ impl<'de> Visitor<'de> for LeafVisitor<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        if self.is_element {
+        if self.is_element || self.words.is_some() {
             return Err(serde::de::Error::invalid_type(Unexpected::Seq, &"a number"));
         }
         self.slot.set_empty_list();

@@ -213,6 +213,11 @@ pub struct Euler {
     pub unit: AngleUnit,
 }
 
+/// Why a pitch alone is not measured from north.
+pub(in crate::source) const PITCH_ALONE: &str = "a pitch alone has no yaw that could be measured from north: it is \
+    measured from the horizon under the drone's heading (`heading`), or from the airframe \
+    (`airframe`)";
+
 /// The field of a pitch angle.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -383,9 +388,9 @@ pub enum TimeSource {
     Field {
         /// The field.
         path: FieldPath,
-        /// Of a number.
-        #[serde(default)]
-        unit: TimeUnit,
+        /// Of a number, which needs one.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        unit: Option<TimeUnit>,
     },
 }
 

@@ -7,10 +7,11 @@ use std::{collections::BTreeMap, str::FromStr};
 use super::{
     alternative::Alternative,
     profile::{
-        AttitudeSource, Coordinates, GimbalOrientation, GimbalSource, Orientation, Pitch,
-        PositionSource, Profile, ProfileChoice, TimeSource, VelocitySource,
-        convention::{AngleUnit, PositionFrame},
+        AttitudeSource, Coordinates, GimbalOrientation, GimbalSource, Orientation, PITCH_ALONE,
+        Pitch, PositionSource, Profile, ProfileChoice, TimeSource, VelocitySource,
+        convention::{AngleUnit, Convention, PositionFrame},
     },
+    topic::Pattern,
 };
 use crate::sample::{GimbalReference, Kind};
 use argument::{ANGLE_UNITS, CONVENTIONS, Parts, QUATERNION_ORDERS, REFERENCES, Vocabulary, Words};
@@ -74,6 +75,13 @@ impl Request {
                 .filter(|profile| profile.automatic)
                 .collect(),
         };
+        if let Some(RoleArgument::Topic(topic)) = &self.attitude {
+            let knows =
+                |profile: &Profile| profile.attitude.iter().any(|source| knows(source, topic));
+            if profiles.iter().any(knows) {
+                profiles.retain(knows);
+            }
+        }
         for profile in &mut profiles {
             replace(&mut profile.attitude, &self.attitude);
             replace(&mut profile.velocity, &self.velocity);
@@ -81,6 +89,10 @@ impl Request {
             replace(&mut profile.position, &self.position);
             if let Some(time) = &self.time {
                 profile.time = time.clone();
+                keep_one_time(&mut profile.attitude);
+                keep_one_time(&mut profile.velocity);
+                keep_one_time(&mut profile.gimbal);
+                keep_one_time(&mut profile.position);
             }
         }
         profiles
@@ -129,10 +141,27 @@ fn replace<Source: Alternative + Clone>(
         None => {}
         Some(RoleArgument::Source(source)) => *alternatives = vec![source.clone()],
         Some(RoleArgument::Topic(topic)) => {
+            // How a topic is to be read is known of that topic, not of others.
+            if alternatives.iter().any(|source| knows(source, topic)) {
+                alternatives.retain(|source| knows(source, topic));
+            }
             for alternative in alternatives {
                 alternative.place_mut().topics = vec![topic.clone()];
             }
         }
+    }
+}
+
+/// Whether an alternative is for a topic, in any namespace.
+fn knows(alternative: &impl Alternative, topic: &str) -> bool {
+    let mut topics = alternative.place().topics.iter();
+    topics.any(|known| Pattern::new("", known).namespace_of(topic).is_some())
+}
+
+/// Leaves the time of samples to the profile.
+fn keep_one_time<Source: Alternative>(alternatives: &mut [Source]) {
+    for alternative in alternatives {
+        alternative.place_mut().time = None;
     }
 }
 
@@ -267,6 +296,9 @@ impl FromStr for RoleArgument<GimbalSource> {
                 (_, None) => GimbalOrientation::Quaternion(parts.quaternion(what)?),
             };
             let reference = match (parts.words.take(), &orientation) {
+                (Some(GimbalReference::Earth), GimbalOrientation::Pitch(_)) => {
+                    return Err(BadArgument(PITCH_ALONE.to_owned()));
+                }
                 (Some(reference), _) => reference,
                 // A pitch alone has no yaw that would be measured from anything.
                 (None, GimbalOrientation::Pitch(_)) => GimbalReference::Heading,
@@ -278,11 +310,16 @@ impl FromStr for RoleArgument<GimbalSource> {
                     ));
                 }
             };
+            let convention = match orientation {
+                // Its sign is told by `up` and `down`.
+                GimbalOrientation::Pitch(_) => Convention::default(),
+                _ => parts.words.take().unwrap_or_default(),
+            };
             Ok(GimbalSource {
                 place: parts.place(),
                 orientation,
                 reference,
-                convention: parts.words.take().unwrap_or_default(),
+                convention,
             })
         };
         Self::parse(
@@ -367,7 +404,7 @@ impl FromStr for TimeSource {
                 };
                 Ok(Self::Field {
                     path: path.parse().map_err(not_a_field)?,
-                    unit: words.take().unwrap_or_default(),
+                    unit: words.take(),
                 })
             }
         }

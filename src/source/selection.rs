@@ -15,8 +15,9 @@ use crate::{error::Error, log::Log, sample::Kind};
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Rank {
-    has_velocity: bool,
+    /// What is told by its topics is the vehicle's own estimate; what has the right fields may be anything's.
     specificity: Specificity,
+    has_velocity: bool,
 }
 
 impl Fit {
@@ -102,15 +103,14 @@ impl Source {
                 }
             });
         };
-        let is_best = |profile: &Profile, fit: &Fit| fit.rank(profile) == best;
-        let best_profiles: BTreeSet<String> = (fits.iter())
-            .filter(|(profile, fit)| is_best(profile, fit))
-            .map(|(profile, _)| profile.name.clone())
+        // Which of several vehicles is meant does not follow from how much is known of each.
+        let is_vehicle = |profile: &Profile| specificity(profile) == Specificity::Topic;
+        let vehicles: BTreeSet<String> = (fits.iter())
+            .filter(|(profile, _)| is_vehicle(profile))
+            .map(|(_, fit)| fit.namespace.clone())
             .collect();
         let (best, mut rest): (Vec<_>, Vec<_>) = fits.into_iter().partition(|(profile, fit)| {
-            // Which of several vehicles is meant does not follow from how much is known of each.
-            let is_vehicle = specificity(profile) == Specificity::Topic;
-            best_profiles.contains(&profile.name) && (is_vehicle || is_best(profile, fit))
+            fit.rank(profile) == best || vehicles.len() > 1 && is_vehicle(profile)
         });
         rest.sort_by_key(|(profile, fit)| Reverse(fit.rank(profile)));
         let [(profile, fit)] = best.as_slice() else {
@@ -122,7 +122,7 @@ impl Source {
             reason: fit.attitude.reason(),
         });
         Ok(Self {
-            channels: finder.channels_of(profile, fit)?,
+            channels: finder.channels_of(profile, fit, &Kind::ALL)?,
             runners_up: runners_up.chain(misfits).collect(),
             profile: (*profile).clone(),
             namespace: fit.namespace.clone(),
@@ -130,6 +130,20 @@ impl Source {
                 .map(|(&kind, role)| (kind, role.clone().map_err(|missing| missing.reason)))
                 .chain([(Kind::Attitude, Ok(fit.attitude.clone()))])
                 .collect(),
+            fit: fit.clone(),
+        })
+    }
+
+    /// Reads only these kinds of sample, so that what else stands in their messages cannot trouble them.
+    ///
+    /// # Errors
+    /// The log cannot be read.
+    pub fn keep(self, log: &Log, request: &Request, kinds: &[Kind]) -> Result<Self, Error> {
+        let examples = Examples::new(log);
+        let finder = Finder::new(log, &examples, request);
+        Ok(Self {
+            channels: finder.channels_of(&self.profile, &self.fit, kinds)?,
+            ..self
         })
     }
 }
@@ -143,17 +157,17 @@ fn ambiguity(log: &Log, fits: &[(&Profile, Fit)]) -> Error {
     let namespaces: BTreeSet<&str> = (fits.iter())
         .map(|(_, fit)| fit.namespace.as_str())
         .collect();
-    if profiles.len() > 1 {
+    if namespaces.len() > 1 {
+        Error::SeveralVehicles {
+            path,
+            namespaces: namespaces.into_iter().map(str::to_owned).collect(),
+        }
+    } else if profiles.len() > 1 {
         let place =
             |(profile, fit): &(&Profile, Fit)| (profile.name.clone(), fit.attitude.topic.clone());
         Error::SeveralProfilesFit {
             path,
             fits: fits.iter().map(place).collect(),
-        }
-    } else if namespaces.len() > 1 {
-        Error::SeveralVehicles {
-            path,
-            namespaces: namespaces.into_iter().map(str::to_owned).collect(),
         }
     } else {
         Error::SeveralTopicsFit {

@@ -14,7 +14,7 @@ const LISTED: usize = 60;
 const NUMBER: &str = "{n}";
 
 /// What stands for a vehicle's number. All that comes before it, and the number, is the vehicle's namespace.
-const VEHICLE: &str = "{vehicle}";
+pub const VEHICLE: &str = "{vehicle}";
 
 /// A topic of a profile, in a namespace.
 #[derive(Debug, Clone, PartialEq, Eq)]

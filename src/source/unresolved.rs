@@ -49,6 +49,8 @@ pub enum Unresolved {
         wanted: &'static str,
         kind: &'static str,
     },
+    #[error("its field `{path}` is a number, and its unit is not told: s, ms, us or ns")]
+    NoUnit { path: FieldPath },
     #[error("its field `{path}` is wanted both as a whole and in part")]
     Overlap { path: FieldPath },
     #[error(transparent)]
@@ -80,6 +82,7 @@ impl Unresolved {
             Self::NotThere { .. }
             | Self::OutOfRange { .. }
             | Self::WrongShape { .. }
+            | Self::NoUnit { .. }
             | Self::Overlap { .. } => 1,
             Self::Encoding { .. }
             | Self::Schema { .. }

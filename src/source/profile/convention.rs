@@ -94,7 +94,7 @@ impl LengthUnit {
 }
 
 /// The unit of a time.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 pub enum TimeUnit {
     /// Seconds.
     #[serde(rename = "s")]
@@ -106,7 +106,6 @@ pub enum TimeUnit {
     #[serde(rename = "us")]
     Microseconds,
     /// Nanoseconds.
-    #[default]
     #[serde(rename = "ns")]
     Nanoseconds,
 }

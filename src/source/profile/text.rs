@@ -2,8 +2,11 @@
 
 use toml::{Table, Value};
 
-use super::{Place, Profile};
-use crate::{sample::Kind, source::path::MessagePath};
+use super::{GimbalOrientation, PITCH_ALONE, Place, Profile, convention::Convention};
+use crate::{
+    sample::{GimbalReference, Kind},
+    source::{path::MessagePath, topic::VEHICLE},
+};
 
 /// The keys of a role below which paths are found.
 const WITH_PATHS: [&str; 8] = [
@@ -159,6 +162,29 @@ fn check(profile: &Profile) -> Result<(), String> {
         .count();
     if count != 0 && count != profile.attitude.len() {
         return Err("some alternatives of `attitude` have `topics` and others have not; name the topics of each, or of none".to_owned());
+    }
+    let places = (profile.attitude.iter().map(|source| &source.place))
+        .chain(profile.velocity.iter().map(|source| &source.place))
+        .chain(profile.gimbal.iter().map(|source| &source.place))
+        .chain(profile.position.iter().map(|source| &source.place));
+    let mut topics = places.flat_map(|place| &place.topics);
+    if !profile.namespaced && topics.any(|topic| topic.contains(VEHICLE)) {
+        return Err(format!(
+            "a topic with {VEHICLE} takes `namespaced = true`: a vehicle's number is part of its namespace"
+        ));
+    }
+    for source in &profile.gimbal {
+        if matches!(source.orientation, GimbalOrientation::Pitch(_)) {
+            if source.reference == GimbalReference::Earth {
+                return Err(format!("gimbal: {PITCH_ALONE}"));
+            }
+            if source.convention != Convention::default() {
+                return Err(
+                    "gimbal: a pitch alone has no convention; its sign is told by `positive`"
+                        .to_owned(),
+                );
+            }
+        }
     }
     Ok(())
 }
