@@ -9,7 +9,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use mcap::records::Channel;
 use serde::Serialize;
 
 use crate::{
@@ -125,7 +124,11 @@ impl FoundRole {
         tally: &Tally,
         first: Option<&Sample>,
     ) -> Self {
-        let of_topic = || channels(log).filter(|(channel, _)| channel.topic == role.topic);
+        let of_topic = || {
+            log.contents
+                .channels_with_messages()
+                .filter(|(channel, _)| channel.topic == role.topic)
+        };
         let (channel, _) = of_topic().next().expect("a role has a channel");
         let schema = log.contents.schema_of(channel);
         let of_topic = of_topic().filter_map(|(channel, _)| times.get(&channel.id));
@@ -210,7 +213,9 @@ pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
         return Err(error);
     }
     let statistics = &log.contents.statistics;
-    let names: BTreeSet<&str> = channels(&log)
+    let names: BTreeSet<&str> = log
+        .contents
+        .channels_with_messages()
         .map(|(channel, _)| channel.topic.as_str())
         .collect();
     let used = telemetry.iter().flat_map(Telemetry::topics).collect();
@@ -320,20 +325,12 @@ impl Telemetry {
     }
 }
 
-/// The channels that have messages, and how many.
-fn channels(log: &Log) -> impl Iterator<Item = (&Channel, u64)> {
-    let counts = &log.contents.statistics.channel_message_counts;
-    let channels = log.contents.definitions.channels.values();
-    channels.filter_map(|channel| {
-        let count = *counts.get(&channel.record.id)?;
-        (count > 0).then_some((&channel.record, count))
-    })
-}
-
 fn group_topics(log: &Log, used: &BTreeSet<&str>) -> Vec<TopicGroup> {
     let mut groups: BTreeMap<(String, String), TopicGroup> = BTreeMap::new();
-    for (channel, count) in
-        channels(log).filter(|(channel, _)| !used.contains(channel.topic.as_str()))
+    for (channel, count) in log
+        .contents
+        .channels_with_messages()
+        .filter(|(channel, _)| !used.contains(channel.topic.as_str()))
     {
         let name = log
             .contents

@@ -168,6 +168,15 @@ impl Contents {
         self.definitions.schemas.get(&channel.schema_id)
     }
 
+    /// The channels that have messages, and how many.
+    pub fn channels_with_messages(&self) -> impl Iterator<Item = (&Channel, u64)> {
+        self.definitions.channels.values().filter_map(|channel| {
+            let counts = &self.statistics.channel_message_counts;
+            let count = *counts.get(&channel.record.id)?;
+            (count > 0).then_some((&channel.record, count))
+        })
+    }
+
     /// Statistics of what is listed here, whatever the log's own said.
     pub fn recount(&self) -> Statistics {
         let mut counts = BTreeMap::new();

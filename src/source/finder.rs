@@ -17,7 +17,7 @@ use super::{
     profile::{AttitudeSource, GimbalSource, Place, PositionSource, Profile, VelocitySource},
     request::{Request, Told},
     schema::Schema,
-    topic::{Pattern, channels_with_messages},
+    topic::Pattern,
     unresolved::{Unresolved, quote},
 };
 use crate::{error::Error, log::Log, sample::Kind};
@@ -75,7 +75,7 @@ impl<'a> Finder<'a> {
     /// In a log, as a request wants it.
     pub fn new(log: &'a Log, examples: &'a Examples<'a>, request: &'a Request) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
-        for channel in channels_with_messages(log) {
+        for (channel, _) in log.contents.channels_with_messages() {
             topics.entry(&channel.topic).or_default().push(channel);
         }
         Self {

@@ -3,8 +3,6 @@
 
 use std::{collections::BTreeSet, fmt};
 
-use mcap::records::Channel;
-
 use crate::log::Log;
 
 /// How many topics a message lists at most.
@@ -121,19 +119,12 @@ impl fmt::Display for Pattern {
     }
 }
 
-/// The channels that have messages.
-pub fn channels_with_messages(log: &Log) -> impl Iterator<Item = &Channel> {
-    let counts = &log.contents.statistics.channel_message_counts;
-    let channels = log.contents.definitions.channels.values();
-    channels
-        .map(|channel| &channel.record)
-        .filter(|channel| counts.get(&channel.id).is_some_and(|&count| count > 0))
-}
-
 /// The topics of a log that have messages, for a message that does not find what it looks for.
 pub fn describe_topics(log: &Log) -> String {
-    let described: BTreeSet<String> = channels_with_messages(log)
-        .map(|channel| {
+    let described: BTreeSet<String> = log
+        .contents
+        .channels_with_messages()
+        .map(|(channel, _)| {
             let schema = log.contents.schema_of(channel);
             let schema = schema.map_or("no schema", |schema| schema.name.as_str());
             format!(
