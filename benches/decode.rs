@@ -11,7 +11,7 @@ use common::{
     telemetry::{InMemory, Kind, Language, write},
 };
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use flightcam::{Options, enrich::enrich};
+use flightcam::{Options, enrich::enrich, unwatched};
 
 /// How many attitudes, and as many velocities, each log has.
 const MOMENTS: u64 = 10_000;
@@ -51,7 +51,7 @@ fn run(criterion: &mut Criterion) {
         };
         group.bench_function(BenchmarkId::new(kind.name(), language), |bencher| {
             bencher.iter(|| {
-                let report = enrich(&input, &output, &options, &mut |_| {}).expect("a result");
+                let report = enrich(&input, &output, &options, &mut unwatched).expect("a result");
                 let used = report.attitude.tally.used + report.velocity.tally.used;
                 assert_eq!(used, 2 * MOMENTS);
             });

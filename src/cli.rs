@@ -3,22 +3,26 @@
 mod camera;
 mod enrich;
 mod inspect;
+mod pipe;
 mod profiles;
+mod progress;
+mod report;
+mod restore;
 mod telemetry;
 
 use std::{
-    io::{self, ErrorKind, Write},
+    io::{self, Write},
     process::ExitCode,
 };
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
 use flightcam::Error;
 use indicatif::HumanCount;
 
 /// Adds the camera's motion to drone flight logs in MCAP
 ///
 /// flightcam reads a log, works out from the drone's attitude and velocity where the camera was looking and
-/// how it moved, and writes the log again with that as new channels.
+/// how it moved, and adds that to the log as new channels.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100)]
 struct Cli {
@@ -30,6 +34,7 @@ struct Cli {
 enum Command {
     Enrich(enrich::Arguments),
     Inspect(inspect::Arguments),
+    Restore(restore::Arguments),
     Profiles(profiles::Arguments),
 }
 
@@ -57,6 +62,7 @@ pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Enrich(arguments) => enrich::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Restore(arguments) => restore::run(&arguments),
         Command::Profiles(arguments) => profiles::run(&arguments),
     };
     result
@@ -80,6 +86,11 @@ fn exit_for(error: &Error) -> Exit {
     }
 }
 
+/// Ends the process over arguments that do not go together.
+fn wrong_arguments(kind: ErrorKind, problem: &str) -> ! {
+    Cli::command().error(kind, problem).exit()
+}
+
 fn number(text: &str) -> Result<f64, String> {
     text.parse()
         .map_err(|_| "not a number; write it as 30 or 30.5".to_owned())
@@ -90,11 +101,16 @@ fn number(text: &str) -> Result<f64, String> {
 fn print_result(text: &str) {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             complain("warning", &format!("cannot write the report: {error}"));
         }
         _ => {}
     }
+}
+
+/// Writes a result to standard error, where standard output has something else.
+fn print_aside(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// A count of things, with the thing's plural where it is due.

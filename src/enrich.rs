@@ -1,30 +1,25 @@
 //! The pipeline: reader → transform → writer → report.
 
-use std::path::{Path, PathBuf};
+mod derivation;
+mod output;
 
-use crate::{
-    camera::Camera,
-    derived::Quantity,
-    error::Error,
-    log::Log,
-    messages::Format,
-    options::Options,
-    reader::Reader,
-    report::{EncodingReport, Findings, Report},
-    sample::Kind,
-    source::Source,
-    transform::Transform,
-    writer::{Appender, destination::Destination, provenance},
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
 };
 
-/// How far a run is, in bytes: of the telemetry read, and of the log copied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// Bytes done so far.
-    pub done: u64,
-    /// Bytes to do in all.
-    pub total: u64,
-}
+use crate::{
+    error::Error,
+    log::{
+        Log,
+        file::{Access, LogFile},
+    },
+    options::Options,
+    progress::{Watch, Watcher},
+    report::Report,
+    writer::{destination::Destination, original::Original},
+};
+use derivation::Derivation;
 
 /// `NAME.enriched.mcap` beside the input.
 pub fn default_output(input: &Path) -> PathBuf {
@@ -33,7 +28,8 @@ pub fn default_output(input: &Path) -> PathBuf {
     input.with_file_name(name)
 }
 
-/// Writes `input` with the camera's channels appended to `output`. `progress` is called now and then.
+/// Writes the log `input` with the camera's channels to a new file, `output`. Of a log that is enriched already
+/// the earlier result is replaced.
 ///
 /// # Errors
 /// Nothing is left at `output` then. The error says what was wrong and what to do about it.
@@ -41,76 +37,41 @@ pub fn enrich(
     input: &Path,
     output: &Path,
     options: &Options,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch,
 ) -> Result<Report, Error> {
     // Asked first, because opening a log that has no summary reads all of it.
     let destination = Destination::new(input, output, options.overwrite)?;
-    let log = Log::open(input)?;
-    provenance::check_topics_are_free(&log)?;
-    let source = Source::select(&log, &options.telemetry)?;
-    let camera = options.camera(&source)?;
-    let kinds: &[Kind] = match camera {
-        Camera::Gimbal => &[Kind::Attitude, Kind::Velocity, Kind::Gimbal],
-        Camera::Stabilised { .. } | Camera::Fixed(_) => &[Kind::Attitude, Kind::Velocity],
-    };
-    let source = source.keep(&log, &options.telemetry, kinds)?;
-    let telemetry = source.attitude_channel(&log);
-    let format = Format::choose(options.encoding, telemetry);
-
-    let mut reader = Reader::new(&log, source);
-    let mut transform = Transform::new(camera, options.max_gap);
-    // Begun with the first derived value, so that a log that yields none costs no copy.
-    let mut appender: Option<Appender> = None;
-    let mut derived = Vec::new();
-    let total = log.data_end + reader.bytes_total();
-    let mut copied = 0;
-    let mut reported = 0;
-    while let Some(sample) = reader.next() {
-        transform.push(sample?, &mut derived);
-        let read = reader.bytes_read();
-        for value in derived.drain(..) {
-            let appender = match &mut appender {
-                Some(appender) => appender,
-                none => {
-                    let progress = |bytes| {
-                        copied += bytes;
-                        let done = copied + read;
-                        progress(Progress { done, total });
-                    };
-                    none.insert(Appender::begin(
-                        &log,
-                        &destination,
-                        format.clone(),
-                        progress,
-                    )?)
-                }
-            };
-            appender.write(&value)?;
-        }
-        if copied + read != reported {
-            reported = copied + read;
-            let done = reported;
-            progress(Progress { done, total });
-        }
-    }
-    let outcome = transform.finish();
-    let (source, dropped) = reader.finish();
-    let encoding = EncodingReport::new(options.encoding, format.encoding, telemetry);
-    let findings = Findings::new(&log, options, source, camera, encoding, &dropped, outcome);
-    let Some(appender) = appender else {
-        return Err(nothing_derived(input, &findings));
-    };
-    let appended = appender.finish(findings.facts())?;
-    Ok(findings.report(output.into(), appended))
+    let original = Original::of(Log::open(input)?)?;
+    let derivation = Derivation::new(&original, &original.log, options)?;
+    let watcher = Watcher::new(watch, output.into(), "nothing was written");
+    output::to_new_file(&original.log, &destination, derivation, &watcher)
 }
 
-fn nothing_derived(input: &Path, findings: &Findings) -> Error {
-    let reasons = Quantity::ALL.map(|quantity| {
-        let reason = findings.why_missing(quantity);
-        format!("  {}: {reason}", quantity.topic())
-    });
-    Error::NothingDerived {
-        path: input.into(),
-        details: reasons.join("\n"),
-    }
+/// Adds the camera's channels to the log in its own file, in which an earlier result is replaced.
+///
+/// # Errors
+/// The log is as it was then. The error says what was wrong and what to do about it.
+pub fn enrich_in_place(log: &Path, options: &Options, watch: Watch) -> Result<Report, Error> {
+    let file = LogFile::open(log, Access::Change)?;
+    let original = Original::of(Log::read(file)?)?;
+    let derivation = Derivation::new(&original, &original.log, options)?;
+    let watcher = Watcher::new(watch, log.into(), "the log is as it was");
+    output::in_place(&original.log, derivation, &watcher)
+}
+
+/// Writes the log `input` with the camera's channels to a stream, which errors call `name`.
+///
+/// # Errors
+/// What the stream has got by then is not whole. The error says what was wrong and what to do about it.
+pub fn enrich_to(
+    input: &Path,
+    output: impl Write + Send,
+    name: &Path,
+    options: &Options,
+    watch: Watch,
+) -> Result<Report, Error> {
+    let original = Original::of(Log::open(input)?)?;
+    let derivation = Derivation::new(&original, &original.log, options)?;
+    let watcher = Watcher::new(watch, name.into(), "what was written is not whole");
+    output::to_stream(&original.log, output, name, derivation, &watcher)
 }

@@ -146,13 +146,58 @@ pub enum Error {
     NothingDerived { path: PathBuf, details: String },
 
     #[error(
-        "{}: has {topic} from an earlier run of flightcam ({made_by}); \
+        "{}: has {topic} from an earlier run of flightcam ({made_by}), which cannot be replaced: {reason}; \
          enrich the original log instead", path.display()
     )]
     AlreadyEnriched {
         path: PathBuf,
         topic: &'static str,
         made_by: String,
+        /// Why the original is not to be had from it.
+        reason: Lost,
+    },
+
+    #[error("{}: cannot be restored: {reason}", path.display())]
+    NotRestorable { path: PathBuf, reason: Lost },
+
+    #[error(
+        "{}: another run of flightcam is using it; try again when that has ended", path.display()
+    )]
+    Locked { path: PathBuf },
+
+    #[error(
+        "{}: cannot be changed in place, because it cannot be locked against other runs ({source}); \
+         write the result to a new file (-o)", path.display()
+    )]
+    NoLocks { path: PathBuf, source: io::Error },
+
+    #[error(
+        "{}: {} beside it is left from an interrupted change of another log ({of}); \
+         put that log back in its place, or remove the journal if that log is lost",
+        path.display(), journal.display()
+    )]
+    ForeignJournal {
+        path: PathBuf,
+        journal: PathBuf,
+        /// Where that log was.
+        of: String,
+    },
+
+    #[error(
+        "{cause}\n{}: moreover, the log could not be brought back to what it was ({rollback}); \
+         when there is room again, `flightcam restore` does that", path.display()
+    )]
+    RollBack {
+        path: PathBuf,
+        cause: Box<Error>,
+        rollback: Box<Error>,
+    },
+
+    #[error("{}: interrupted; {left}", path.display())]
+    Interrupted {
+        path: PathBuf,
+        /// What is left, in words.
+        left: &'static str,
     },
 
     #[error(
@@ -194,6 +239,18 @@ pub enum Error {
         path: PathBuf,
         source: mcap::McapError,
     },
+}
+
+/// Why the original log is not to be had from a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum Lost {
+    #[error("it has nothing from flightcam")]
+    NotEnriched,
+    #[error("it was written with --layout interleaved, which keeps no way back")]
+    Interleaved,
+    #[error("another program has rewritten it since, or it is damaged")]
+    Rewritten,
 }
 
 /// Namespaces as they are given on the command line.

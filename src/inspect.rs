@@ -18,10 +18,10 @@ use crate::{
     log::{Log, SegmentReader, contents::Segment},
     messages::Format,
     options::Options,
-    report::{CameraReport, MissingTopic, ProfileReport, lossy, unread_end},
+    report::{CameraReport, MissingTopic, ProfileReport, RECOVERED, lossy, unread_end},
     sample::{Kind, Position, Sample, Tallies, Tally, Velocity},
     source::{RoleSource, RunnerUp, Source},
-    writer::provenance,
+    writer::original::Original,
 };
 
 /// About how many bytes are read at most, to learn what share of the telemetry is usable.
@@ -196,10 +196,16 @@ pub struct TopicGroup {
 /// The log cannot be read, or the options contradict each other. That the log's telemetry is not found is no error
 /// but what there is to tell.
 pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
-    let log = Log::open(input)?;
-    let mut notes = Vec::from_iter(unread_end(&log));
+    let original = Original::of(Log::open(input)?)?;
+    let mut problem = original.check_topics_are_free().err();
+    let log = original.log;
+    let recovered = log.file.was_recovered().then(|| RECOVERED.to_owned());
+    let enriched = original.undone.ok().map(|earlier| {
+        format!("the log was enriched already ({earlier}); what is said here is of the original")
+    });
+    let notes = [recovered, enriched, unread_end(&log)].into_iter();
+    let mut notes: Vec<String> = notes.flatten().collect();
     let mut telemetry = None;
-    let mut problem = provenance::check_topics_are_free(&log).err();
     match Source::compare(&log, &options.telemetry) {
         Ok(mut source) => {
             let found = Telemetry::describe(&log, &mut source, options)?;

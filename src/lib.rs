@@ -1,10 +1,10 @@
 //! Adds the camera's motion to drone flight logs in MCAP: where it looked, how it moved.
 //!
 //! ```no_run
-//! use flightcam::{Options, enrich, geometry::DepressionAngle};
+//! use flightcam::{Options, enrich, geometry::DepressionAngle, unwatched};
 //!
 //! let options = Options::new(DepressionAngle::from_degrees(30.0)?);
-//! let report = enrich("flight.mcap".as_ref(), "result.mcap".as_ref(), &options, &mut |_| {})?;
+//! let report = enrich("flight.mcap".as_ref(), "result.mcap".as_ref(), &options, &mut unwatched)?;
 //! println!("{} rotations", report.written[0].messages);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -58,15 +58,17 @@ pub mod inspect;
 pub mod log;
 pub mod messages;
 pub mod options;
+pub mod progress;
 pub mod reader;
 pub mod report;
+pub mod restore;
 pub mod sample;
 pub mod source;
 pub mod transform;
 pub mod writer;
 
 #[doc(inline)]
-pub use enrich::{Progress, enrich};
+pub use enrich::{enrich, enrich_in_place, enrich_to};
 #[doc(inline)]
 pub use error::Error;
 #[doc(inline)]
@@ -74,4 +76,8 @@ pub use inspect::inspect;
 #[doc(inline)]
 pub use options::Options;
 #[doc(inline)]
+pub use progress::{Progress, Watch, unwatched};
+#[doc(inline)]
 pub use report::Report;
+#[doc(inline)]
+pub use restore::{restore, restore_to};

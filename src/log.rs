@@ -5,10 +5,12 @@
 //! chunks.
 
 pub mod contents;
+pub mod file;
+pub mod journal;
+pub mod prefix;
 pub mod record;
 
 mod chunk;
-mod file;
 mod foreign;
 mod scan;
 mod summary;
@@ -26,7 +28,7 @@ use mcap::records::{
 use crate::error::Error;
 use chunk::ChunkReader;
 use contents::{Contents, Segment, SegmentKind};
-use file::LogFile;
+use file::{Access, LogFile};
 use record::{RawMessage, Records, parse};
 use scan::{Collector, Step, Walker};
 use summary::Ending;
@@ -66,12 +68,19 @@ pub enum ScanReason {
 }
 
 impl Log {
-    /// Opens a log and learns what it holds.
+    /// Opens a log for reading and learns what it holds.
     ///
     /// # Errors
     /// The file cannot be read, is not an MCAP, or is damaged where it is needed.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let file = LogFile::open(path)?;
+        Self::read(LogFile::open(path, Access::Read)?)
+    }
+
+    /// Learns what the log in a file holds.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not an MCAP, or is damaged where it is needed.
+    pub fn read(file: LogFile) -> Result<Self, Error> {
         let header = read_header(&file)?;
         let ending = Ending::read(&file)?;
         if let Some(Ending {

@@ -8,6 +8,7 @@ use crate::{
     sample::Kind,
     source::{Source, request::Request},
     transform::MaxGap,
+    writer::Layout,
 };
 
 /// How to enrich a log.
@@ -27,6 +28,8 @@ pub struct Options {
     pub telemetry: Request,
     /// In which language the new messages are written.
     pub encoding: EncodingChoice,
+    /// Where the new messages lie.
+    pub layout: Layout,
     /// Whether an output that exists is replaced.
     pub overwrite: bool,
 }

@@ -18,6 +18,7 @@ use crate::{
     sample::{Kind, Tallies, Tally},
     source::{Source, profile::ProfileChoice},
     transform::Breaks,
+    writer::Layout,
 };
 pub(crate) use findings::Findings;
 
@@ -50,10 +51,12 @@ pub struct Report {
     pub written: Vec<WrittenTopic>,
     /// The topics that it could have had.
     pub not_written: Vec<MissingTopic>,
-    /// Bytes taken over from the log as they were.
-    pub bytes_copied: u64,
-    /// Bytes behind them.
-    pub bytes_appended: u64,
+    /// Where the new messages lie.
+    pub layout: Layout,
+    /// Bytes of the log that are in the result as they were.
+    pub bytes_kept: u64,
+    /// Bytes of the result besides.
+    pub bytes_added: u64,
     /// Whether everything in the input could be read.
     pub complete: bool,
     /// What the user should know besides.
@@ -210,6 +213,9 @@ pub struct MissingTopic {
     /// Why not, in words.
     pub reason: String,
 }
+
+/// What is said of a log of which a change in place had been cut short.
+pub(crate) const RECOVERED: &str = "an earlier run that changed the log had been cut short; the log was first brought back to what it was before";
 
 /// What is lost of a log that breaks off, if anything is.
 pub(crate) fn unread_end(log: &Log) -> Option<String> {

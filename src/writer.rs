@@ -1,15 +1,76 @@
-//! Derived values → channels appended to a log.
+//! Derived values → channels added to a log.
 //!
-//! The log's bytes up to the end of its data section are copied as they are. Behind them come the new
-//! messages, a Metadata record that says how they were made, the log's original end as an attachment, and
-//! one summary of the whole. Nothing that the log held is lost, and all of it can be undone.
+//! The log's bytes up to the end of its data section stay as they are. Behind them come the new messages, a
+//! Metadata record that says how they were made, the log's original end as an attachment, and one summary of the
+//! whole. Nothing that the log held is lost, and all of it can be undone ([`original`]).
 
 pub mod destination;
+pub mod original;
 pub mod provenance;
 
 mod append;
-mod region;
+mod channels;
+mod chunk;
+pub(crate) mod copy;
+mod section;
 mod summary;
-mod tail;
 
-pub use append::{Appended, Appender};
+use std::collections::BTreeMap;
+
+pub use append::Appender;
+use serde::Serialize;
+
+use crate::{
+    derived::{Derived, Quantity},
+    error::Error,
+};
+
+/// Where in the log the new messages lie.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Layout {
+    /// Behind the log's data, of which no byte changes, so that it can be undone.
+    #[default]
+    Append,
+    /// Behind each of the log's chunks what was derived from its time, for readers that use no index. It cannot be
+    /// undone.
+    Interleaved,
+}
+
+impl Layout {
+    /// What the user calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Append => "append",
+            Self::Interleaved => "interleaved",
+        }
+    }
+}
+
+/// Adds derived values to a log.
+pub trait LogWriter {
+    /// Adds one message, and before the first of a topic its channel. Values come in the order of their times.
+    ///
+    /// # Errors
+    /// The output cannot be written, the log cannot be read, or it has no id left for a channel.
+    fn write(&mut self, derived: &Derived) -> Result<(), Error>;
+
+    /// Completes the log, with `facts` on how its new messages were made.
+    ///
+    /// # Errors
+    /// The output cannot be written, or the log cannot be read.
+    fn finish(self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, Error>;
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// Messages by quantity. One without messages has no channel.
+    pub messages: BTreeMap<Quantity, u64>,
+    /// Log times of the earliest and the latest of them.
+    pub times: Option<(u64, u64)>,
+    /// Bytes of the log that stayed as they were.
+    pub kept: u64,
+    /// Bytes of the result.
+    pub length: u64,
+}

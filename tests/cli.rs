@@ -342,14 +342,18 @@ fn damage_that_is_found_when_half_is_written_leaves_nothing_behind() {
 }
 
 #[test]
-fn an_enriched_log_is_not_enriched_again() {
+fn an_earlier_result_is_replaced() {
     let folder = Folder::with_flight();
     folder.writes(RESULT, &enrich(""), 0);
-    let version = env!("CARGO_PKG_VERSION");
-    let message = format!(
-        "{RESULT}: has /camera/relative_rpy from an earlier run of flightcam … {version} … original"
+    let other = format!("enrich {RESULT} --depression 45 -o other.mcap");
+    let report = folder.writes("other.mcap", &other, 0);
+    assert_reads(&report, "Note … enriched already … 30° below … replaces");
+    folder.writes(
+        "direct.mcap",
+        &format!("enrich {LOG} --depression 45 -o direct.mcap"),
+        0,
     );
-    folder.refuses(&format!("enrich {RESULT} --depression 45"), 1, &message);
+    assert!(folder.read("other.mcap") == folder.read("direct.mcap"));
 }
 
 #[test]
@@ -372,10 +376,10 @@ fn the_result_lies_beside_the_log_and_the_report_tells_how_it_came_about() {
          Attitude … /drone/state: 3,310 of 3,310 samples used … \
          Velocity … /drone/state: 3,310 of 3,310 samples used … \
          /camera/relative_rpy: 3,309 messages … /camera/velocity: 3,310 messages … \
-         copied unchanged … appended … flight.enriched.mcap … \
+         unchanged … added … flight.enriched.mcap … \
          Foxglove … /camera/relative_rpy.yaw … /camera/velocity.x",
     );
-    let bytes = report.lines().find(|line| line.contains("appended"));
+    let bytes = report.lines().find(|line| line.contains("added"));
     let words = bytes.unwrap().split(' ').map(|word| word.replace(',', ""));
     let bytes: usize = words.filter_map(|word| word.parse::<usize>().ok()).sum();
     assert_eq!(bytes, folder.read(result).len());
@@ -385,7 +389,7 @@ fn the_result_lies_beside_the_log_and_the_report_tells_how_it_came_about() {
 fn the_json_report_has_every_number() {
     let folder = Folder::with_flight();
     let mut report = folder.reports(&enrich(""), 0);
-    let [copied, appended] = ["bytes_copied", "bytes_appended"].map(|name| {
+    let [copied, appended] = ["bytes_kept", "bytes_added"].map(|name| {
         let bytes = report[name].take().as_u64().unwrap();
         usize::try_from(bytes).unwrap()
     });
@@ -410,8 +414,9 @@ fn the_json_report_has_every_number() {
             { "topic": "/camera/velocity", "schema": "flightcam.v1.CameraVelocity", "messages": 3310 },
         ],
         "not_written": [],
-        "bytes_copied": null,
-        "bytes_appended": null,
+        "layout": "append",
+        "bytes_kept": null,
+        "bytes_added": null,
         "complete": true,
         "notes": [],
     });
@@ -507,7 +512,7 @@ fn a_log_that_breaks_off_gives_what_it_has_and_exit_code_3() {
     let folder = Folder::with(LOG, &whole[..length]);
     let report = folder.reports(&enrich(""), 3);
     assert_eq!(report["complete"], false);
-    let whole_records = report["bytes_copied"].as_u64().unwrap();
+    let whole_records = report["bytes_kept"].as_u64().unwrap();
     let lost = length as u64 - whole_records;
     let note = format!("breaks off at byte {whole_records} … {lost} bytes");
     assert_reads(report["notes"][0].as_str().unwrap(), &note);

@@ -15,6 +15,7 @@ use flightcam::{
     geometry::RollPitchYaw,
     messages::{Encoding, EncodingChoice, Format},
     sample::Stamp,
+    unwatched,
 };
 use mcap::{
     Summary, WriteOptions,
@@ -446,7 +447,7 @@ fn a_result_in_or_from_the_folder_of_a_ros2_bag_says_how_to_list_it() {
         });
         let input = from.join("flight_0.mcap");
         fs::write(&input, flat_log(0)).expect("the log is written");
-        let report = enrich(&input, &to.join("result.mcap"), &options(), &mut |_| {});
+        let report = enrich(&input, &to.join("result.mcap"), &options(), &mut unwatched);
         match (&report.expect("a result").notes[..], expected) {
             ([], None) => {}
             ([note], Some(path)) => {
@@ -468,7 +469,7 @@ fn a_metadata_yaml_that_is_no_text_file_is_left_alone() {
         &input,
         &folder.path().join("result.mcap"),
         &options(),
-        &mut |_| {},
+        &mut unwatched,
     );
     assert!(report.expect("a result").notes.is_empty());
 }

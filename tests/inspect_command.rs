@@ -343,21 +343,20 @@ fn a_log_without_telemetry_is_described_all_the_same() {
 }
 
 #[test]
-fn a_log_that_has_the_results_topics_already_would_not_be_enriched() {
+fn of_an_enriched_log_the_original_is_inspected() {
     let folder = Folder::with_flight();
+    let original = tells(&folder, "", 0);
     folder.writes(RESULT, &format!("enrich {LOG} --depression 30"), 0);
-    let told = finds_a_problem(
-        &folder.read(RESULT),
-        "",
-        "/camera/relative_rpy from an earlier run of flightcam",
-    );
-    assert_eq!(told["telemetry"]["roles"]["attitude"]["messages"], 3310);
-    let own = &told["other_topics"][1];
-    assert_eq!(
-        (&own["schemas"], &own["messages"]),
-        (&json!("flightcam"), &json!(6619))
-    );
+    let enriched = Folder::with(LOG, folder.read(RESULT));
+    let mut told = tells(&enriched, "", 0);
+    let notes = told["notes"].take().to_string();
+    assert_reads(&notes, "enriched already … 30° below … of the original");
+    told["notes"] = json!([]);
+    assert_eq!(told, original);
+}
 
+#[test]
+fn a_log_with_topics_like_the_results_would_not_be_enriched() {
     let foreign = topic("/camera/velocity", [json!({ "x": 1.0 })]);
     let log = log(&[flat("/state"), foreign]);
     finds_a_problem(&log, "", "/camera/velocity, which flightcam did not write");

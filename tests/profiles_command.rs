@@ -67,7 +67,7 @@ fn what_is_printed_works_as_a_profile_of_ones_own() {
         0,
     );
     assert_eq!(own["profile"]["name"], "mine");
-    for key in ["profile", "bytes_appended"] {
+    for key in ["profile", "bytes_added"] {
         own[key] = built_in[key].clone();
     }
     assert_eq!(own, built_in);

@@ -16,6 +16,7 @@ use flightcam::{
     Options,
     enrich::enrich,
     messages::{Encoding, EncodingChoice},
+    unwatched,
 };
 use mcap::{Compression, records::op};
 use serde_json::Value;
@@ -74,7 +75,7 @@ fn read(reader: &[PathBuf], log: &Path, mode: &[&str]) -> (Vec<String>, Value) {
 fn have_judged(readers: &[Vec<PathBuf>; 2], input: &Path) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("result.mcap");
-    let report = enrich(input, &output, &options(), &mut |_| {}).expect("the log is enriched");
+    let report = enrich(input, &output, &options(), &mut unwatched).expect("the log is enriched");
     let mut expected: BTreeMap<String, u64> = BTreeMap::new();
     for topic in &report.written {
         expected.insert(topic.topic.to_owned(), topic.messages);
@@ -248,7 +249,7 @@ fn have_decoded(python: &Path, input: &Path, encoding: Encoding, library: &str) 
             overwrite: true,
             ..options()
         };
-        enrich(input, &output, &options, &mut |_| {}).expect("a result");
+        enrich(input, &output, &options, &mut unwatched).expect("a result");
         fs::read(&output).expect("the result")
     };
     let protobuf = stream(&enriched(Encoding::Protobuf), false).into_iter();

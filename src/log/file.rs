@@ -1,44 +1,89 @@
 //! A log's bytes, read by position.
 
 use std::{
-    fs::File,
+    fs::{File, OpenOptions, TryLockError},
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
+use super::journal;
 use crate::error::Error;
 
 /// An open log file. Reading is by position, so that several readers can share it.
+///
+/// As long as it is open nobody changes it in place: it holds a shared lock, or the exclusive one of whoever
+/// is about to change it.
 #[derive(Debug)]
 pub struct LogFile {
     path: PathBuf,
     file: File,
+    /// What stands in place of the file's own bytes from some position on.
+    tail: Option<Tail>,
     len: u64,
+    /// Whether a change that was cut short was undone first.
+    recovered: bool,
+}
+
+#[derive(Debug)]
+struct Tail {
+    start: u64,
+    file: File,
+}
+
+/// What is going to happen to a file, and so which lock it needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// It is read, as others may do at the same time.
+    Read,
+    /// It is read and changed in place, while nobody else has it open.
+    Change,
 }
 
 impl LogFile {
+    /// Opens and locks a file. If a change of it was cut short, that is undone first.
+    ///
     /// # Errors
-    /// The file does not exist, is not a regular file, or cannot be opened.
-    pub fn open(path: &Path) -> Result<Self, Error> {
+    /// The file does not exist, is not a regular file, cannot be opened, or is locked by another run.
+    pub fn open(path: &Path, access: Access) -> Result<Self, Error> {
         let io = |source| Error::io("cannot open the log", path, source);
         // Asked before opening, because opening a pipe waits for somebody to write to it.
         let metadata = std::fs::metadata(path).map_err(io)?;
         if !metadata.is_file() {
             return Err(Error::NotAFile { path: path.into() });
         }
-        let file = File::open(path).map_err(io)?;
-        let metadata = file.metadata().map_err(io)?;
+        let mut recovered = false;
+        if access == Access::Read && journal::exists(path) {
+            recovered = journal::recover(&open_locked(path, Access::Change)?, path)?;
+        }
+        let file = open_locked(path, access)?;
+        if access == Access::Change {
+            recovered = journal::recover(&file, path)?;
+        }
         Ok(Self {
             path: path.into(),
+            len: file.metadata().map_err(io)?.len(),
             file,
-            len: metadata.len(),
+            tail: None,
+            recovered,
         })
     }
 
+    /// The same file with the bytes from `start` on replaced by those of `tail`, which is `length` bytes long.
+    /// Nothing is written.
+    pub fn with_tail(self, start: u64, tail: File, length: u64) -> Self {
+        Self {
+            len: start + length,
+            tail: Some(Tail { start, file: tail }),
+            ..self
+        }
+    }
+
+    /// What the file is called.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The handle itself, for copying from.
+    /// The handle itself, for copying from and, with [`Access::Change`], writing to.
     pub fn handle(&self) -> &File {
         &self.file
     }
@@ -46,6 +91,11 @@ impl LogFile {
     /// Length in bytes when the file was opened.
     pub fn len(&self) -> u64 {
         self.len
+    }
+
+    /// Whether an earlier change of the file had been cut short, and was undone when it was opened.
+    pub fn was_recovered(&self) -> bool {
+        self.recovered
     }
 
     /// Reads the `length` bytes at `offset` into `buffer`, replacing what it held.
@@ -68,11 +118,24 @@ impl LogFile {
             .try_reserve_exact(length)
             .map_err(|_| self.corrupt(offset, format!("{length} bytes do not fit in memory")))?;
         buffer.resize(length, 0);
-        read_exact_at(&self.file, buffer, offset)
-            .map_err(|source| Error::io("cannot read", &self.path, source))
+        let read = match &self.tail {
+            None => read_exact_at(&self.file, buffer, offset),
+            Some(tail) => {
+                let before = tail.start.saturating_sub(offset).min(length as u64);
+                let (head, rest) = buffer.split_at_mut(before as usize);
+                read_exact_at(&self.file, head, offset).and_then(|()| match rest {
+                    [] => Ok(()),
+                    rest => read_exact_at(&tail.file, rest, offset + before - tail.start),
+                })
+            }
+        };
+        read.map_err(|source| Error::io("cannot read", &self.path, source))
     }
 
     /// As [`read_into`](Self::read_into), into a buffer of its own.
+    ///
+    /// # Errors
+    /// Those of [`read_into`](Self::read_into).
     pub fn read(&self, offset: u64, length: u64) -> Result<Vec<u8>, Error> {
         let mut buffer = Vec::new();
         self.read_into(&mut buffer, offset, length)?;
@@ -89,17 +152,80 @@ impl LogFile {
     }
 }
 
+/// Opens a file and locks it for as long as it is open.
+fn open_locked(path: &Path, access: Access) -> Result<File, Error> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(access == Access::Change);
+    let file = options.open(path);
+    let file = file.map_err(|source| Error::io("cannot open the log", path, source))?;
+    let locked = match access {
+        Access::Read => file.try_lock_shared(),
+        Access::Change => file.try_lock(),
+    };
+    match (locked, access) {
+        (Err(TryLockError::WouldBlock), _) => Err(Error::Locked { path: path.into() }),
+        (Err(TryLockError::Error(source)), Access::Change) => Err(Error::NoLocks {
+            path: path.into(),
+            source,
+        }),
+        // Where the file system knows no locks, nobody can be changing the file in place.
+        (Err(TryLockError::Error(_)), Access::Read) | (Ok(()), _) => Ok(file),
+    }
+}
+
+/// Writes to a file from some position on, whatever else is done with its handle.
+#[derive(Debug)]
+pub struct WriteAt {
+    file: File,
+    position: u64,
+}
+
+impl WriteAt {
+    /// Begins at `position`.
+    ///
+    /// # Errors
+    /// The system has no handle left.
+    pub fn new(file: &File, position: u64) -> io::Result<Self> {
+        Ok(Self {
+            file: file.try_clone()?,
+            position,
+        })
+    }
+}
+
+impl Write for WriteAt {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = write_at(&self.file, bytes, self.position)?;
+        self.position += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
 #[cfg(unix)]
-fn read_exact_at(file: &File, buffer: &mut [u8], offset: u64) -> std::io::Result<()> {
+fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
+    std::os::unix::fs::FileExt::write_at(file, bytes, offset)
+}
+
+#[cfg(windows)]
+fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
+    std::os::windows::fs::FileExt::seek_write(file, bytes, offset)
+}
+
+#[cfg(unix)]
+pub(super) fn read_exact_at(file: &File, buffer: &mut [u8], offset: u64) -> io::Result<()> {
     std::os::unix::fs::FileExt::read_exact_at(file, buffer, offset)
 }
 
 #[cfg(windows)]
-fn read_exact_at(file: &File, mut buffer: &mut [u8], mut offset: u64) -> std::io::Result<()> {
+pub(super) fn read_exact_at(file: &File, mut buffer: &mut [u8], mut offset: u64) -> io::Result<()> {
     while !buffer.is_empty() {
         let read = std::os::windows::fs::FileExt::seek_read(file, buffer, offset)?;
         if read == 0 {
-            return Err(std::io::ErrorKind::UnexpectedEof.into());
+            return Err(io::ErrorKind::UnexpectedEof.into());
         }
         buffer = &mut buffer[read..];
         offset += read as u64;

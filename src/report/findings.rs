@@ -8,23 +8,23 @@ use std::{
 use mcap::records::Statistics;
 
 use super::{
-    CameraReport, EncodingReport, MissingTopic, ProfileReport, Report, SampleReport, WrittenTopic,
-    ros2, unread_end,
+    CameraReport, EncodingReport, MissingTopic, ProfileReport, RECOVERED, Report, SampleReport,
+    WrittenTopic, ros2, unread_end,
 };
 use crate::{
     camera::Camera,
     derived::Quantity,
-    log::{Log, ScanReason},
+    log::ScanReason,
     options::Options,
     sample::{Kind, Tallies},
     source::Source,
     transform::{Breaks, Outcome},
-    writer::Appended,
+    writer::{Layout, Written, original::Original},
 };
 
 /// What was found in a log, once all of its telemetry was read.
 pub struct Findings<'a> {
-    log: &'a Log,
+    original: &'a Original,
     options: &'a Options,
     source: Source,
     encoding: EncodingReport,
@@ -37,7 +37,7 @@ pub struct Findings<'a> {
 
 impl<'a> Findings<'a> {
     pub fn new(
-        log: &'a Log,
+        original: &'a Original,
         options: &'a Options,
         source: Source,
         camera: Camera,
@@ -48,7 +48,7 @@ impl<'a> Findings<'a> {
         let mut tallies = outcome.tallies;
         tallies.merge(dropped);
         Self {
-            log,
+            original,
             options,
             encoding,
             attitude: SampleReport::new(&source, &tallies, Kind::Attitude),
@@ -136,23 +136,24 @@ impl<'a> Findings<'a> {
     }
 
     /// The report on a result that was written to `output`.
-    pub fn report(self, output: PathBuf, appended: Appended) -> Report {
-        let has_messages = |quantity: &Quantity| appended.messages.contains_key(quantity);
-        let (written, missing): (Vec<Quantity>, Vec<Quantity>) =
+    pub fn report(self, output: PathBuf, written: Written) -> Report {
+        let log = &self.original.log;
+        let has_messages = |quantity: &Quantity| written.messages.contains_key(quantity);
+        let (present, missing): (Vec<Quantity>, Vec<Quantity>) =
             Quantity::ALL.into_iter().partition(has_messages);
         Report {
-            notes: self.notes(&output, &appended),
-            input: self.log.file.path().into(),
+            notes: self.notes(&output, &written),
+            input: log.file.path().into(),
             output,
             profile: ProfileReport::new(&self.source, &self.options.telemetry.profile),
             camera: self.camera.into(),
             max_gap_s: self.options.max_gap.seconds(),
-            written: written
+            written: present
                 .into_iter()
                 .map(|quantity| WrittenTopic {
                     topic: quantity.topic(),
                     schema: self.encoding.name.schema(quantity).name,
-                    messages: appended.messages[&quantity],
+                    messages: written.messages[&quantity],
                 })
                 .collect(),
             not_written: missing
@@ -162,9 +163,10 @@ impl<'a> Findings<'a> {
                     reason: self.why_missing(quantity),
                 })
                 .collect(),
-            bytes_copied: appended.copied,
-            bytes_appended: appended.appended,
-            complete: self.log.is_readable_to_its_end() && self.undecodable() == 0,
+            layout: self.options.layout,
+            bytes_kept: written.kept,
+            bytes_added: written.length - written.kept,
+            complete: log.is_readable_to_its_end() && self.undecodable() == 0,
             encoding: self.encoding,
             attitude: self.attitude,
             velocity: self.velocity,
@@ -192,8 +194,15 @@ impl<'a> Findings<'a> {
             .sum()
     }
 
-    fn notes(&self, output: &Path, appended: &Appended) -> Vec<String> {
-        let log = self.log;
+    fn notes(&self, output: &Path, written: &Written) -> Vec<String> {
+        let log = &self.original.log;
+        let recovered = log.file.was_recovered().then(|| RECOVERED.to_owned());
+        let replaced = self.original.undone.as_ref().ok();
+        let replaced = replaced.map(|earlier| {
+            format!("the log was enriched already ({earlier}); this result replaces that one")
+        });
+        let one_way = (self.options.layout == Layout::Interleaved)
+            .then(|| "`flightcam restore` cannot undo the interleaved layout".to_owned());
         let end = match (log.breaks_off_at, log.scanned) {
             (Some(offset), _) if offset == log.file.len() => Some(
                 "the log was never closed; all of its records were used, and the result is closed"
@@ -212,7 +221,8 @@ impl<'a> Findings<'a> {
             ),
             (None, None) => None,
         };
-        let loose = log.contents.has_loose_messages().then(|| {
+        let is_loose = log.contents.has_loose_messages() && self.options.layout == Layout::Append;
+        let loose = is_loose.then(|| {
             "the log has messages outside chunks, which a chunk index would hide; \
              the result has none, so seeking in it takes longer"
                 .to_owned()
@@ -235,14 +245,24 @@ impl<'a> Findings<'a> {
             message_end_time: end_time,
             ..
         } = log.contents.statistics;
-        let (earliest, latest) = appended.times;
-        let elsewhere = (latest < start || earliest > end_time).then(|| {
+        let is_elsewhere = |(earliest, latest): (u64, u64)| latest < start || earliest > end_time;
+        let elsewhere = written.times.is_some_and(is_elsewhere).then(|| {
             "the times of the samples lie outside those of the log, so its player shows the new topics elsewhere; \
              --time says what the time of a sample is"
                 .to_owned()
         });
         let suspicion = self.source.suspicion();
-        let notes = [end, loose, undecodable, ignored, elsewhere, suspicion];
+        let notes = [
+            recovered,
+            replaced,
+            one_way,
+            end,
+            loose,
+            undecodable,
+            ignored,
+            elsewhere,
+            suspicion,
+        ];
         let ros2 = ros2::notes(log, output, self.options.encoding, self.encoding.name);
         notes.into_iter().flatten().chain(ros2).collect()
     }

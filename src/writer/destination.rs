@@ -9,7 +9,7 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::error::Error;
+use crate::{error::Error, log::journal::sync_folder};
 
 /// A file that is to be written.
 #[derive(Debug, Clone)]
@@ -62,7 +62,7 @@ impl Destination {
     }
 
     /// Starts the file, under a temporary name in the same folder.
-    pub(super) fn create(&self, permissions: Permissions) -> Result<Pending, Error> {
+    pub(crate) fn create(&self, permissions: Permissions) -> Result<Pending, Error> {
         let mut prefix = OsString::from(".");
         prefix.push(self.path.file_name().unwrap_or_default());
         prefix.push(".");
@@ -90,7 +90,7 @@ impl Destination {
     }
 
     /// The error for an output that cannot be written.
-    pub(super) fn write_error(&self, source: io::Error) -> Error {
+    pub(crate) fn write_error(&self, source: io::Error) -> Error {
         self.error("cannot write the output", source)
     }
 
@@ -108,7 +108,7 @@ fn cannot_be_granted(error: &io::Error) -> bool {
 
 /// A file that is being written. It is removed again unless it is committed.
 #[derive(Debug)]
-pub(super) struct Pending {
+pub(crate) struct Pending {
     file: NamedTempFile,
     destination: Destination,
 }
@@ -116,11 +116,6 @@ pub(super) struct Pending {
 impl Pending {
     pub fn file(&self) -> &File {
         self.file.as_file()
-    }
-
-    /// Where it will be.
-    pub fn destination(&self) -> &Destination {
-        &self.destination
     }
 
     /// Makes the file durable and gives it its name.
@@ -142,18 +137,6 @@ impl Pending {
             },
             _ => failed(error.error),
         })?;
-        sync_folder(&destination.folder).map_err(failed)
+        sync_folder(&destination.path).map_err(failed)
     }
-}
-
-/// Makes the file's name as durable as its content.
-#[cfg(unix)]
-fn sync_folder(folder: &Path) -> std::io::Result<()> {
-    File::open(folder)?.sync_all()
-}
-
-/// Folders cannot be synced here; the file system keeps names in order by itself.
-#[cfg(not(unix))]
-fn sync_folder(_folder: &Path) -> std::io::Result<()> {
-    Ok(())
 }

@@ -1,9 +1,10 @@
-//! The summary of the whole: what the log held, as it said it, and what was appended.
+//! The summary of the whole: what the log held, as it said it, and what was added.
 
 use std::collections::BTreeMap;
 
-use mcap::records::{Channel, ChunkIndex, Footer, MessageIndex, Statistics, SummaryOffset, op};
+use mcap::records::{ChunkIndex, Footer, MessageIndex, Statistics, SummaryOffset, op};
 
+use super::section::Added;
 use crate::log::{
     contents::{Contents, SegmentKind},
     record::{Raw, push_record, serialize},
@@ -16,8 +17,8 @@ use crate::log::{
 /// message indexes until now, by the chunks' offsets.
 pub fn encode(
     contents: &Contents,
-    appended: &mcap::Summary,
-    mut reindexed: BTreeMap<u64, ChunkIndex>,
+    added: &Added,
+    reindexed: &BTreeMap<u64, ChunkIndex>,
     start: u64,
 ) -> Vec<u8> {
     let mut groups = Groups {
@@ -26,41 +27,18 @@ pub fn encode(
         offsets: Vec::new(),
     };
 
-    let schemas = contents
-        .definitions
-        .schemas
-        .values()
-        .map(|schema| schema.body.clone());
-    let new_schemas = new_schemas(contents, appended).map(|schema| {
-        let mut body = serialize(&mcap::records::SchemaHeader {
-            id: schema.id,
-            name: schema.name.clone(),
-            encoding: schema.encoding.clone(),
-        });
-        // A schema's data is limited to 4 GiB by its length field.
-        body.extend_from_slice(&(schema.data.len() as u32).to_le_bytes());
-        body.extend_from_slice(&schema.data);
-        body
-    });
-    groups.push(op::SCHEMA, schemas.chain(new_schemas));
+    let schemas = contents.definitions.schemas.values();
+    let schemas = schemas.map(|schema| schema.body.clone());
+    groups.push(op::SCHEMA, schemas.chain(added.schemas.values().cloned()));
 
-    let channels = contents
-        .definitions
-        .channels
-        .values()
-        .map(|channel| channel.body.clone());
-    let new_channels = sorted(&appended.channels).map(|channel| {
-        serialize(&Channel {
-            id: channel.id,
-            schema_id: channel.schema.as_ref().map_or(0, |schema| schema.id),
-            topic: channel.topic.clone(),
-            message_encoding: channel.message_encoding.clone(),
-            metadata: channel.metadata.clone(),
-        })
-    });
-    groups.push(op::CHANNEL, channels.chain(new_channels));
+    let channels = contents.definitions.channels.values();
+    let channels = channels.map(|channel| channel.body.clone());
+    groups.push(
+        op::CHANNEL,
+        channels.chain(added.channels.values().cloned()),
+    );
 
-    let statistics = merge_statistics(contents, appended);
+    let statistics = merge_statistics(contents, added);
     groups.push(op::STATISTICS, [serialize(&statistics)].into_iter());
 
     // Readers that find a chunk index look for messages nowhere else. Where messages lie outside chunks there
@@ -70,22 +48,22 @@ pub fn encode(
             .segments
             .iter()
             .filter_map(|segment| match &segment.kind {
-                SegmentKind::Chunk { index, .. } => Some(match reindexed.remove(&segment.offset) {
-                    Some(reindexed) => serialize(&reindexed),
+                SegmentKind::Chunk { index, .. } => Some(match reindexed.get(&segment.offset) {
+                    Some(reindexed) => serialize(reindexed),
                     None => index.body.clone(),
                 }),
                 SegmentKind::Loose => None,
             });
-        let new_chunks = appended.chunk_indexes.iter().map(serialize);
+        let new_chunks = added.chunk_indexes.iter().map(serialize);
         groups.push(op::CHUNK_INDEX, chunks.chain(new_chunks));
     }
 
     let attachments = contents.attachments.iter().map(|index| index.body.clone());
-    let new_attachments = appended.attachment_indexes.iter().map(serialize);
+    let new_attachments = added.attachment_indexes.iter().map(serialize);
     groups.push(op::ATTACHMENT_INDEX, attachments.chain(new_attachments));
 
     let metadata = contents.metadata.iter().map(|index| index.body.clone());
-    let new_metadata = appended.metadata_indexes.iter().map(serialize);
+    let new_metadata = added.metadata_indexes.iter().map(serialize);
     groups.push(op::METADATA_INDEX, metadata.chain(new_metadata));
 
     let mut unknown: BTreeMap<u8, Vec<Vec<u8>>> = BTreeMap::new();
@@ -118,48 +96,24 @@ pub fn encode_message_indexes(
     chunk
 }
 
-fn merge_statistics(contents: &Contents, appended: &mcap::Summary) -> Statistics {
+fn merge_statistics(contents: &Contents, added: &Added) -> Statistics {
     let mut merged = contents.statistics.clone();
-    let Some(new) = &appended.stats else {
-        return merged;
-    };
-    if merged.message_count == 0 {
+    if let Some((start, end)) = added.times {
         // The times of no message do not count.
-        (merged.message_start_time, merged.message_end_time) =
-            (new.message_start_time, new.message_end_time);
-    } else if new.message_count > 0 {
-        merged.message_start_time = merged.message_start_time.min(new.message_start_time);
-        merged.message_end_time = merged.message_end_time.max(new.message_end_time);
+        let is_first = merged.message_count == 0;
+        let times = (merged.message_start_time, merged.message_end_time);
+        let (earliest, latest) = if is_first { (start, end) } else { times };
+        merged.message_start_time = earliest.min(start);
+        merged.message_end_time = latest.max(end);
     }
-    merged.message_count += new.message_count;
-    merged.schema_count += new_schemas(contents, appended).count() as u16;
-    merged.channel_count += new.channel_count;
-    merged.attachment_count += new.attachment_count;
-    merged.metadata_count += new.metadata_count;
-    merged.chunk_count += new.chunk_count;
-    merged.channel_message_counts.extend(
-        new.channel_message_counts
-            .iter()
-            .map(|(&id, &count)| (id, count)),
-    );
+    merged.message_count += added.message_counts.values().sum::<u64>();
+    merged.schema_count += added.schemas.len() as u16;
+    merged.channel_count += added.channels.len() as u32;
+    merged.attachment_count += added.attachment_indexes.len() as u32;
+    merged.metadata_count += added.metadata_indexes.len() as u32;
+    merged.chunk_count += added.chunk_indexes.len() as u32;
+    merged.channel_message_counts.extend(&added.message_counts);
     merged
-}
-
-/// The schemas that the log had not: a new channel may use one of the log's own.
-fn new_schemas<'a>(
-    contents: &'a Contents,
-    appended: &'a mcap::Summary,
-) -> impl Iterator<Item = &'a mcap::Schema<'static>> {
-    let known = &contents.definitions.schemas;
-    sorted(&appended.schemas)
-        .map(|schema| &**schema)
-        .filter(|schema| !known.contains_key(&schema.id))
-}
-
-fn sorted<T>(by_id: &std::collections::HashMap<u16, T>) -> impl Iterator<Item = &T> {
-    let mut ids: Vec<_> = by_id.keys().collect();
-    ids.sort_unstable();
-    ids.into_iter().map(|id| &by_id[id])
 }
 
 /// A summary section that is being put together group by group.

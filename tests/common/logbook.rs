@@ -14,6 +14,7 @@ use flightcam::{
         profile::{Profile, ProfileChoice},
         request::Request,
     },
+    unwatched,
 };
 use mcap::{WriteOptions, records::MessageHeader};
 use prost::Message;
@@ -111,7 +112,7 @@ impl Logbook {
         if let Some(profile) = profile {
             options.telemetry = request(profile);
         }
-        let report = enrich(&input, &output, &options, &mut |_| {})?;
+        let report = enrich(&input, &output, &options, &mut unwatched)?;
         let result = fs::read(output).expect("the result");
         let derived = stream(&result, false).into_iter();
         Ok((

@@ -27,6 +27,7 @@ use flightcam::{
     geometry::DepressionAngle,
     log::record::{Records, push_record, serialize},
     messages::v1::OriginalTail,
+    unwatched,
 };
 use mcap::{
     Attachment, Summary, WriteOptions,
@@ -74,7 +75,7 @@ pub fn enrich_bytes_with(log: &[u8], options: &Options) -> Result<(Vec<u8>, Repo
     let input = folder.path().join("log.mcap");
     let output = folder.path().join("result.mcap");
     fs::write(&input, log).expect("the log is written");
-    let report = enrich(&input, &output, options, &mut |_| {})?;
+    let report = enrich(&input, &output, options, &mut unwatched)?;
     Ok((fs::read(output).expect("the result is read"), report))
 }
 

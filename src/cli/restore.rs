@@ -1,0 +1,81 @@
+//! `flightcam restore`: an enriched log in, the original out.
+
+use std::{fmt::Write as _, path::PathBuf};
+
+use clap::Args;
+use flightcam::{
+    Error,
+    restore::{Restored, restore, restore_to},
+};
+use indicatif::HumanCount;
+
+use super::{Exit, print_result, progress::Bar};
+
+/// Give an enriched log back what it was before, byte for byte
+///
+/// The log's own file is changed, or with -o a new file is written. A log that another program has rewritten since
+/// is refused. After a run that was cut short, this brings the log back to what it was.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The enriched log
+    log: PathBuf,
+
+    /// Write the original to a new file, and leave the enriched log as it is
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Replace an output that exists
+    #[arg(long, requires = "output")]
+    force: bool,
+
+    /// Print no report and no progress, only errors
+    #[arg(short, long)]
+    quiet: bool,
+
+    /// Print the report as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let mut bar = Bar::new(arguments.quiet);
+    let watch = &mut |progress| bar.update(progress);
+    let restored = match &arguments.output {
+        None => restore(&arguments.log, watch),
+        Some(output) => restore_to(&arguments.log, output, arguments.force, watch),
+    };
+    bar.clear();
+    let restored = restored?;
+    if arguments.json {
+        let json = serde_json::to_string_pretty(&restored);
+        print_result(&json.expect("a report has only string keys"));
+    } else if !arguments.quiet {
+        print_result(&describe(&restored));
+    }
+    Ok(Exit::Done)
+}
+
+fn describe(restored: &Restored) -> String {
+    let mut text = String::new();
+    let mut line = |label: &str, content: &str| {
+        let _ = writeln!(text, "{label:<12}{content}");
+    };
+    line("Log", &restored.input.display().to_string());
+    if restored.recovered {
+        line(
+            "Undone",
+            "an earlier run that changed the log and was cut short",
+        );
+    }
+    if let Some(earlier) = &restored.undone {
+        line("Undone", &format!("what flightcam added ({earlier})"));
+    }
+    let bytes = HumanCount(restored.bytes);
+    let _ = write!(
+        text,
+        "{:<12}{}, {bytes} bytes",
+        "Result",
+        restored.output.display()
+    );
+    text
+}

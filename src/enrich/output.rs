@@ -1,0 +1,145 @@
+//! Where the result of a run goes: to a new file, into the log itself, or to a stream.
+
+use std::{
+    io::Write,
+    panic,
+    path::Path,
+    sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
+    thread::{self, ScopedJoinHandle},
+    time::Duration,
+};
+
+use super::derivation::{BoxedWriter, Derivation};
+use crate::{
+    error::Error,
+    log::{Log, file::WriteAt, journal::Journal},
+    progress::Watcher,
+    report::Report,
+    writer::{Appender, copy::copy_data, destination::Destination},
+};
+
+/// How often the progress of a copy is looked at when there is nothing else to do.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// Writes a new file, into which the log is copied while its telemetry is read.
+pub fn to_new_file(
+    log: &Log,
+    destination: &Destination,
+    derivation: Derivation,
+    watcher: &Watcher,
+) -> Result<Report, Error> {
+    let failed = |source| destination.write_error(source);
+    let path = destination.path();
+    let format = derivation.format.clone();
+    let mut pending = None;
+    let copied = AtomicU64::new(0);
+    let is_over = AtomicBool::new(false);
+    let (writer, findings) = thread::scope(|scope| {
+        let _over = SetWhenDropped(&is_over);
+        let waiting = thread::current();
+        let mut copying: Option<ScopedJoinHandle<_>> = None;
+        let begin = || {
+            let metadata = log.file.handle().metadata().map_err(failed)?;
+            let created = destination.create(metadata.permissions())?;
+            let file = pending.insert(created).file();
+            let behind = WriteAt::new(file, log.data_end).map_err(failed)?;
+            let mut file = file.try_clone().map_err(failed)?;
+            let (copied, is_over) = (&copied, &is_over);
+            copying = Some(scope.spawn(move || {
+                let result = copy_data(log, &mut file, failed, |done| {
+                    copied.store(done, Relaxed);
+                    match is_over.load(Relaxed) {
+                        false => Ok(()),
+                        // Nobody sees this; the run has an error of its own.
+                        true => Err(Error::Interrupted {
+                            path: path.into(),
+                            left: "nothing was written",
+                        }),
+                    }
+                });
+                waiting.unpark();
+                result
+            }));
+            let appender = Appender::begin(log, behind, path.into(), format)?;
+            Ok(Box::new(appender) as BoxedWriter)
+        };
+        let tell = |read, of| watcher.bytes(copied.load(Relaxed) + read, log.data_end + of);
+        let (writer, findings, read) = derivation.run(begin, tell)?;
+        let copying = copying.expect("the writer was begun");
+        while !copying.is_finished() {
+            thread::park_timeout(GLANCE);
+            tell(read, read)?;
+        }
+        let copied = copying.join();
+        copied.unwrap_or_else(|panic| panic::resume_unwind(panic))?;
+        Ok((writer, findings))
+    })?;
+    let written = writer.finish(findings.facts())?;
+    pending.expect("the writer was begun").commit()?;
+    Ok(findings.report(path.into(), written))
+}
+
+/// Replaces the end of the log in its own file.
+pub fn in_place(log: &Log, derivation: Derivation, watcher: &Watcher) -> Result<Report, Error> {
+    let mut journal = None;
+    let changed = change(log, derivation, watcher, &mut journal);
+    match journal {
+        Some(journal) => journal.conclude(changed),
+        None => changed,
+    }
+}
+
+/// As [`in_place`], with the journal left to the caller to conclude.
+fn change<'a>(
+    log: &'a Log,
+    derivation: Derivation,
+    watcher: &Watcher,
+    journal: &mut Option<Journal<'a>>,
+) -> Result<Report, Error> {
+    let path = log.file.path();
+    let format = derivation.format.clone();
+    let mut step = |step| watcher.step(step);
+    let begin = || {
+        *journal = Some(Journal::begin(&log.file, log.data_end, &mut step)?);
+        let end = WriteAt::new(log.file.handle(), log.data_end);
+        let end = end.map_err(|source| Error::io("cannot write the log", path, source))?;
+        let appender = Appender::begin(log, end, path.into(), format)?;
+        Ok(Box::new(appender) as BoxedWriter)
+    };
+    let (writer, findings, _) = derivation.run(begin, |read, of| watcher.bytes(read, of))?;
+    let written = writer.finish(findings.facts())?;
+    let journal = journal.as_ref().expect("the writer was begun");
+    journal.commit(written.length, &mut |step| watcher.step(step))?;
+    Ok(findings.report(path.into(), written))
+}
+
+/// Writes to a stream, which gets the log first.
+pub fn to_stream(
+    log: &Log,
+    mut output: impl Write + Send,
+    name: &Path,
+    derivation: Derivation,
+    watcher: &Watcher,
+) -> Result<Report, Error> {
+    let failed = |source| Error::io("cannot write the output", name, source);
+    let format = derivation.format.clone();
+    let begin = || {
+        let copied = |done| watcher.bytes(done, log.data_end);
+        copy_data(log, &mut output, failed, copied)?;
+        let appender = Appender::begin(log, output, name.into(), format)?;
+        Ok(Box::new(appender) as BoxedWriter)
+    };
+    let read = |read, of| watcher.bytes(log.data_end + read, log.data_end + of);
+    let (writer, findings, _) = derivation.run(begin, read)?;
+    let written = writer.finish(findings.facts())?;
+    Ok(findings.report(name.into(), written))
+}
+
+/// Tells another thread that there is nothing to wait for any more, however that came.
+struct SetWhenDropped<'a>(&'a AtomicBool);
+
+impl Drop for SetWhenDropped<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Relaxed);
+    }
+}

@@ -1,0 +1,312 @@
+//! Changing the end of a log's file in place, so that whatever happens the file can be made whole again.
+//!
+//! Before the first byte is overwritten, everything that is going to be replaced is saved in a *journal*, a file
+//! beside the log. The order of things is
+//!
+//! 1. the log is locked,
+//! 2. the journal is written, and it and its folder are synced,
+//! 3. the log is written, cut to its new length, and synced,
+//! 4. the journal is removed, and its folder synced.
+//!
+//! If all of this is cut short, the next run that opens the log finds the journal and brings the old end back. A
+//! journal that is not whole was cut short itself, so the log was not touched yet.
+
+use std::{
+    ffi::OsString,
+    fs::{self, File},
+    io::{self, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write},
+    path::{Path, PathBuf},
+};
+
+use binrw::{BinRead, BinWrite, binrw};
+
+use super::{
+    file::{LogFile, WriteAt},
+    prefix::Prefix,
+};
+use crate::error::Error;
+
+/// What a journal is called: the log's name and this.
+const SUFFIX: &str = ".flightcam-journal";
+
+/// How much of a file is in memory while it is copied.
+const PIECE: usize = 1024 * 1024;
+
+/// Bytes of the checksum that a journal ends with.
+const CRC_LENGTH: u64 = size_of::<u32>() as u64;
+
+/// How far a change has come. After each of these a kill leaves something different behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// The journal exists and has not been written to.
+    JournalCreated,
+    /// The journal is written, and perhaps not on the disk yet.
+    JournalWritten,
+    /// The journal is on the disk.
+    JournalDurable,
+    /// All of the log's new end is written, and perhaps the old one reaches beyond it.
+    LogWritten,
+    /// The log has its new length.
+    LogCut,
+    /// The log is on the disk.
+    LogDurable,
+    /// The journal is gone, and perhaps not from the disk yet.
+    JournalRemoved,
+}
+
+impl Step {
+    /// All of them, in their order.
+    pub const ALL: [Self; 7] = [
+        Self::JournalCreated,
+        Self::JournalWritten,
+        Self::JournalDurable,
+        Self::LogWritten,
+        Self::LogCut,
+        Self::LogDurable,
+        Self::JournalRemoved,
+    ];
+}
+
+/// A journal's beginning. Behind it comes what the log had from `start` on, as a zstd frame, and a CRC-32 of all
+/// of that.
+#[binrw]
+#[brw(little, magic = b"flightcam journal 1\n")]
+struct Header {
+    /// What the log has before its end, which stays as it is.
+    prefix: Prefix,
+    /// The log's length.
+    length: u64,
+    /// Where the log was, for people.
+    #[bw(calc = path.len() as u32)]
+    path_length: u32,
+    #[br(count = path_length)]
+    path: Vec<u8>,
+}
+
+/// A log's file while its end is being replaced.
+///
+/// If it ends without [`conclude`](Self::conclude), the next run brings the old end back.
+#[derive(Debug)]
+pub struct Journal<'a> {
+    log: &'a LogFile,
+    path: PathBuf,
+}
+
+impl<'a> Journal<'a> {
+    /// Saves what the file has from `start` on, after which that may be overwritten. The file must have been
+    /// opened to be changed.
+    ///
+    /// # Errors
+    /// The journal cannot be written; nothing is left of it then.
+    pub fn begin(
+        log: &'a LogFile,
+        start: u64,
+        reached: &mut dyn FnMut(Step),
+    ) -> Result<Self, Error> {
+        let path = beside(log.path())?;
+        let failed = |source| Error::io("cannot save the log's end", &path, source);
+        let journal = File::create_new(&path).map_err(failed)?;
+        let written = write(log, start, journal, reached).and_then(|()| sync_folder(&path));
+        if let Err(error) = written {
+            // The log was not touched; a journal that cannot be removed now is, as it is not whole, later.
+            let _ = fs::remove_file(&path);
+            return Err(failed(error));
+        }
+        reached(Step::JournalDurable);
+        Ok(Self { log, path })
+    }
+
+    /// Makes the change last: the file is `length` bytes long from now on.
+    ///
+    /// # Errors
+    /// The file cannot be cut or synced, or the journal not removed.
+    pub fn commit(&self, length: u64, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
+        let failed = |source| Error::io("cannot write the log", self.log.path(), source);
+        let file = self.log.handle();
+        reached(Step::LogWritten);
+        file.set_len(length).map_err(failed)?;
+        reached(Step::LogCut);
+        file.sync_all().map_err(failed)?;
+        reached(Step::LogDurable);
+        remove(&self.path, reached)
+    }
+
+    /// Brings back what the file had, unless all went well.
+    ///
+    /// # Errors
+    /// What went wrong. If even bringing back does, the journal stays, and the next run tries again.
+    pub fn conclude<T>(self, changed: Result<T, Error>) -> Result<T, Error> {
+        changed.map_err(|cause| match recover(self.log.handle(), self.log.path()) {
+            Ok(_) => cause,
+            Err(rollback) => Error::RollBack {
+                path: self.log.path().into(),
+                cause: Box::new(cause),
+                rollback: Box::new(rollback),
+            },
+        })
+    }
+}
+
+/// Whether there is a journal beside a log, so that the log is being changed or its change was cut short.
+pub(super) fn exists(log: &Path) -> bool {
+    beside(log).is_ok_and(|journal| journal.exists())
+}
+
+/// Brings a file back to what it was before a change that was cut short, if one was. The file must be locked, so
+/// that no change is under way. Whether there was one.
+pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, Error> {
+    let path = beside(log_path)?;
+    let journal = match File::open(&path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+        opened => opened,
+    };
+    let failed = |source| {
+        Error::io(
+            "cannot bring the log back to what it was before an interrupted run",
+            log_path,
+            source,
+        )
+    };
+    let mut journal = journal.map_err(failed)?;
+    if let Some(header) = read_whole(&mut journal).map_err(failed)? {
+        let prefix = Prefix::of(log, header.prefix.length).ok();
+        if prefix.as_ref() != Some(&header.prefix) {
+            return Err(Error::ForeignJournal {
+                path: log_path.into(),
+                journal: path,
+                of: String::from_utf8_lossy(&header.path).into_owned(),
+            });
+        }
+        bring_back(log, &header, journal).map_err(failed)?;
+    }
+    remove(&path, &mut |_| {})?;
+    Ok(true)
+}
+
+fn write(
+    log: &LogFile,
+    start: u64,
+    journal: File,
+    reached: &mut dyn FnMut(Step),
+) -> io::Result<()> {
+    reached(Step::JournalCreated);
+    let file = log.handle();
+    let header = Header {
+        prefix: Prefix::of(file, start)?,
+        length: file.metadata()?.len(),
+        path: log.path().as_os_str().as_encoded_bytes().to_vec(),
+    };
+    let mut start_of_journal = io::Cursor::new(Vec::new());
+    header
+        .write(&mut start_of_journal)
+        .map_err(io::Error::other)?;
+    let mut out = Checksummed {
+        out: BufWriter::with_capacity(PIECE, journal),
+        crc: crc32fast::Hasher::new(),
+    };
+    out.write_all(start_of_journal.get_ref())?;
+    // The fastest level: a log's end is mostly repeated schemas, or compressed already.
+    let mut zstd = zstd::Encoder::new(&mut out, 1)?;
+    let mut end = file;
+    end.seek(SeekFrom::Start(start))?;
+    let mut end = BufReader::with_capacity(PIECE, end.take(header.length - start));
+    io::copy(&mut end, &mut zstd)?;
+    zstd.finish()?;
+    let Checksummed { mut out, crc } = out;
+    out.write_all(&crc.finalize().to_le_bytes())?;
+    let journal = out.into_inner()?;
+    reached(Step::JournalWritten);
+    journal.sync_all()
+}
+
+/// The header of a journal, and the journal where its header ends; `None` if the journal is not whole.
+fn read_whole(journal: &mut File) -> io::Result<Option<Header>> {
+    let length = journal.metadata()?.len();
+    let Some(checked) = length.checked_sub(CRC_LENGTH) else {
+        return Ok(None);
+    };
+    let mut crc = Checksummed {
+        out: io::sink(),
+        crc: crc32fast::Hasher::new(),
+    };
+    let mut reader = BufReader::with_capacity(PIECE, &mut *journal);
+    io::copy(&mut (&mut reader).take(checked), &mut crc)?;
+    let mut expected = [0; CRC_LENGTH as usize];
+    reader.read_exact(&mut expected)?;
+    if crc.crc.finalize() != u32::from_le_bytes(expected) {
+        return Ok(None);
+    }
+    journal.rewind()?;
+    match Header::read(journal) {
+        Ok(header) => Ok(Some(header)),
+        Err(binrw::Error::Io(error)) => Err(error),
+        Err(error) => Err(io::Error::new(ErrorKind::InvalidData, error.to_string())),
+    }
+}
+
+/// Writes the end that a journal has, from where its header ends.
+fn bring_back(log: &File, header: &Header, journal: File) -> io::Result<()> {
+    let start = header.prefix.length;
+    let mut end = zstd::Decoder::new(journal)?.single_frame();
+    let mut out = BufWriter::with_capacity(PIECE, WriteAt::new(log, start)?);
+    let written = io::copy(&mut end, &mut out)?;
+    out.flush()?;
+    if Some(written) != header.length.checked_sub(start) {
+        return Err(io::Error::new(
+            ErrorKind::InvalidData,
+            "the journal is not what it says it is",
+        ));
+    }
+    log.set_len(header.length)?;
+    log.sync_all()
+}
+
+fn remove(journal: &Path, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
+    fs::remove_file(journal)
+        .map(|()| reached(Step::JournalRemoved))
+        .and_then(|()| sync_folder(journal))
+        .map_err(|source| Error::io("cannot remove", journal, source))
+}
+
+/// Where a log's journal is. It lies beside the file itself, whatever links lead there.
+fn beside(log: &Path) -> Result<PathBuf, Error> {
+    let file = log.canonicalize();
+    let file = file.map_err(|source| Error::io("cannot find the log", log, source))?;
+    let mut name = OsString::from(file);
+    name.push(SUFFIX);
+    Ok(name.into())
+}
+
+/// Makes a file's name as durable as its content.
+#[cfg(unix)]
+pub fn sync_folder(file: &Path) -> io::Result<()> {
+    let folder = match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    File::open(folder)?.sync_all()
+}
+
+/// Folders cannot be synced here; the file system keeps names in order by itself.
+#[cfg(not(unix))]
+pub fn sync_folder(_file: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// Passes on what is written, and computes its checksum.
+struct Checksummed<W> {
+    out: W,
+    crc: crc32fast::Hasher,
+}
+
+impl<W: Write> Write for Checksummed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.crc.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}

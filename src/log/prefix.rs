@@ -1,0 +1,45 @@
+//! What a log begins with, recognised without reading all of it.
+
+use std::{fs::File, io};
+
+use binrw::binrw;
+use sha2::{Digest, Sha256};
+
+use super::file::read_exact_at;
+
+/// How much is hashed at either end.
+const HASHED: u64 = 64 * 1024;
+
+/// What tells the beginning of a file from that of another: its length, and hashes of its first and last 64 KiB,
+/// or of all of it where it is shorter.
+#[binrw]
+#[brw(little)]
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Prefix {
+    /// Length in bytes.
+    pub length: u64,
+    /// SHA-256 of its first 64 KiB.
+    pub head_sha256: [u8; 32],
+    /// SHA-256 of its last 64 KiB.
+    pub foot_sha256: [u8; 32],
+}
+
+impl Prefix {
+    /// Of the first `length` bytes of a file.
+    ///
+    /// # Errors
+    /// The file is shorter, or cannot be read.
+    pub fn of(file: &File, length: u64) -> io::Result<Self> {
+        let hashed = length.min(HASHED);
+        let hash = |start: u64| {
+            let mut bytes = vec![0; hashed as usize];
+            read_exact_at(file, &mut bytes, start)?;
+            io::Result::Ok(Sha256::digest(&bytes).into())
+        };
+        Ok(Self {
+            length,
+            head_sha256: hash(0)?,
+            foot_sha256: hash(length - hashed)?,
+        })
+    }
+}

@@ -1,0 +1,176 @@
+//! The channels of the derived quantities: their ids, schemas and messages.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use binrw::BinWrite;
+use mcap::records::{Channel, MessageHeader, SchemaHeader, op};
+
+use super::{chunk::Batch, section::Added};
+use crate::{
+    derived::{Derived, Quantity},
+    error::Error,
+    log::{Log, record::serialize},
+    messages::{Format, Schema},
+};
+
+/// Turns derived values into messages on channels that the log had not.
+pub struct NewChannels<'a> {
+    log: &'a Log,
+    format: Format,
+    channels: BTreeMap<Quantity, NewChannel>,
+    /// The ids of their schemas, by name.
+    schemas: BTreeMap<&'static str, u16>,
+    /// The ids that are in use, the new ones included.
+    schema_ids: BTreeSet<u16>,
+    channel_ids: BTreeSet<u16>,
+    body: Vec<u8>,
+}
+
+struct NewChannel {
+    id: u16,
+    messages: u64,
+}
+
+impl<'a> NewChannels<'a> {
+    /// None yet. Their messages will be in the `format`.
+    pub fn new(log: &'a Log, format: Format) -> Self {
+        Self {
+            log,
+            format,
+            channels: BTreeMap::new(),
+            schemas: BTreeMap::new(),
+            schema_ids: log.contents.schema_ids(),
+            channel_ids: log.contents.channel_ids(),
+            body: Vec::new(),
+        }
+    }
+
+    /// Messages by quantity. One without messages has no channel.
+    pub fn messages(&self) -> BTreeMap<Quantity, u64> {
+        (self.channels.iter())
+            .map(|(&quantity, channel)| (quantity, channel.messages))
+            .collect()
+    }
+
+    /// Adds a value's message to the batch, and before the first of a topic its channel.
+    ///
+    /// # Errors
+    /// The log has no id left for a channel.
+    pub fn push(
+        &mut self,
+        derived: &Derived,
+        batch: &mut Batch,
+        added: &mut Added,
+    ) -> Result<(), Error> {
+        let quantity = derived.quantity();
+        if !self.channels.contains_key(&quantity) {
+            let id = self.add(quantity, batch, added)?;
+            self.channels
+                .insert(quantity, NewChannel { id, messages: 0 });
+        }
+        let channel = self.channels.get_mut(&quantity).expect("it was just added");
+        let header = MessageHeader {
+            channel_id: channel.id,
+            // Sequence numbers wrap around, which takes a year of messages at 100 Hz.
+            sequence: channel.messages as u32,
+            log_time: derived.stamp.log_time,
+            publish_time: derived.stamp.publish_time,
+        };
+        channel.messages += 1;
+        self.body.clear();
+        header
+            .write_le(&mut binrw::io::Cursor::new(&mut self.body))
+            .expect("writing to memory does not fail");
+        self.format.encoding.encode(derived, &mut self.body);
+        batch.push_message(header.channel_id, header.log_time, &self.body);
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        quantity: Quantity,
+        batch: &mut Batch,
+        added: &mut Added,
+    ) -> Result<u16, Error> {
+        let encoding = self.format.encoding;
+        let schema_id = self.schema(&encoding.schema(quantity), batch, added)?;
+        let id = take_free_id(&mut self.channel_ids, 0);
+        let id = id.ok_or_else(|| no_free_id(self.log, "channel"))?;
+        let channel = serialize(&Channel {
+            id,
+            schema_id,
+            topic: quantity.topic().to_owned(),
+            message_encoding: encoding.message_encoding().to_owned(),
+            metadata: self.format.channel_metadata.clone(),
+        });
+        batch.push_definition(op::CHANNEL, &channel);
+        added.channels.insert(id, channel);
+        Ok(id)
+    }
+
+    /// The id of a new channel's schema: the one that the log, or another new channel, has for the same
+    /// schema, else a free one.
+    fn schema(
+        &mut self,
+        schema: &Schema,
+        batch: &mut Batch,
+        added: &mut Added,
+    ) -> Result<u16, Error> {
+        if let Some(&id) = self.schemas.get(schema.name) {
+            return Ok(id);
+        }
+        let mut present = self.log.contents.definitions.schemas.values();
+        let same = present.find(|present| {
+            (
+                present.name.as_str(),
+                present.encoding.as_str(),
+                present.data(),
+            ) == (schema.name, schema.encoding, schema.data)
+        });
+        let id = match same {
+            Some(same) => same.id,
+            None => {
+                // The schema id 0 means "no schema".
+                let id = take_free_id(&mut self.schema_ids, 1);
+                let id = id.ok_or_else(|| no_free_id(self.log, "schema"))?;
+                let body = schema_body(id, schema);
+                batch.push_definition(op::SCHEMA, &body);
+                added.schemas.insert(id, body);
+                id
+            }
+        };
+        self.schemas.insert(schema.name, id);
+        Ok(id)
+    }
+}
+
+fn schema_body(id: u16, schema: &Schema) -> Vec<u8> {
+    let mut body = serialize(&SchemaHeader {
+        id,
+        name: schema.name.to_owned(),
+        encoding: schema.encoding.to_owned(),
+    });
+    // The schemas are part of the program, and short.
+    body.extend_from_slice(&(schema.data.len() as u32).to_le_bytes());
+    body.extend_from_slice(schema.data);
+    body
+}
+
+fn no_free_id(log: &Log, what: &'static str) -> Error {
+    Error::NoFreeId {
+        path: log.file.path().into(),
+        what,
+    }
+}
+
+/// Uses the id above the largest in use, else the lowest free one from `lowest` on.
+fn take_free_id(used: &mut BTreeSet<u16>, lowest: u16) -> Option<u16> {
+    let id = match used.last() {
+        None => Some(lowest),
+        Some(largest) => largest
+            .checked_add(1)
+            .or_else(|| (lowest..=u16::MAX).find(|id| !used.contains(id))),
+    }?;
+    used.insert(id);
+    Some(id)
+}

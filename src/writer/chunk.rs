@@ -1,0 +1,121 @@
+//! A chunk that is being filled, and what a compressed one looks like.
+
+use std::{collections::BTreeMap, io};
+
+use mcap::records::{ChunkHeader, ChunkIndex, MessageIndex, MessageIndexEntry, op};
+
+use crate::log::record::{push_record, serialize};
+
+/// What MCAP calls the compression of new chunks.
+const COMPRESSION: &str = "zstd";
+
+/// Records that belong into one chunk, or, where a log must have none, behind one another in its data section.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// The records, as they will lie in the file.
+    records: Vec<u8>,
+    /// Where the messages of each channel lie in them.
+    indexes: BTreeMap<u16, Vec<MessageIndexEntry>>,
+    times: Option<(u64, u64)>,
+}
+
+/// A chunk and its message indexes, as they will lie in the file.
+pub struct Chunk {
+    /// The records.
+    pub bytes: Vec<u8>,
+    /// Where they will lie.
+    pub index: ChunkIndex,
+}
+
+impl Batch {
+    /// The records, as they will lie in the file.
+    pub fn records(&self) -> &[u8] {
+        &self.records
+    }
+
+    /// Log times of the earliest and the latest message.
+    pub fn times(&self) -> Option<(u64, u64)> {
+        self.times
+    }
+
+    /// Messages by channel.
+    pub fn message_counts(&self) -> impl Iterator<Item = (u16, u64)> {
+        (self.indexes.iter()).map(|(&id, entries)| (id, entries.len() as u64))
+    }
+
+    /// Adds a schema or a channel.
+    pub fn push_definition(&mut self, opcode: u8, body: &[u8]) {
+        push_record(&mut self.records, opcode, body);
+    }
+
+    /// Adds a message, given as the body of its record.
+    pub fn push_message(&mut self, channel_id: u16, log_time: u64, body: &[u8]) {
+        let entry = MessageIndexEntry {
+            log_time,
+            offset: self.records.len() as u64,
+        };
+        self.indexes.entry(channel_id).or_default().push(entry);
+        let (start, end) = self.times.unwrap_or((log_time, log_time));
+        self.times = Some((start.min(log_time), end.max(log_time)));
+        push_record(&mut self.records, op::MESSAGE, body);
+    }
+
+    /// Forgets all records.
+    pub fn clear(&mut self) {
+        self.records.clear();
+        self.indexes.clear();
+        self.times = None;
+    }
+
+    /// The chunk that holds the records and goes to `position` in the file.
+    pub fn compress(
+        &self,
+        position: u64,
+        compressor: &mut zstd::bulk::Compressor,
+    ) -> io::Result<Chunk> {
+        let compressed = compressor.compress(&self.records)?;
+        let (message_start_time, message_end_time) = self.times.unwrap_or_default();
+        let header = ChunkHeader {
+            message_start_time,
+            message_end_time,
+            uncompressed_size: self.records.len() as u64,
+            uncompressed_crc: crc32fast::hash(&self.records),
+            compression: COMPRESSION.to_owned(),
+            compressed_size: compressed.len() as u64,
+        };
+        let mut body = serialize(&header);
+        body.extend_from_slice(&compressed);
+        let mut bytes = Vec::with_capacity(body.len());
+        push_record(&mut bytes, op::CHUNK, &body);
+        let chunk_length = bytes.len() as u64;
+        let message_index_offsets = self.push_indexes(position, &mut bytes);
+        let index = ChunkIndex {
+            message_start_time,
+            message_end_time,
+            chunk_start_offset: position,
+            chunk_length,
+            message_index_length: bytes.len() as u64 - chunk_length,
+            message_index_offsets,
+            compression: header.compression,
+            compressed_size: header.compressed_size,
+            uncompressed_size: header.uncompressed_size,
+        };
+        Ok(Chunk { bytes, index })
+    }
+
+    /// Appends the message indexes to the bytes that begin at `position`; tells where each lies.
+    fn push_indexes(&self, position: u64, bytes: &mut Vec<u8>) -> BTreeMap<u16, u64> {
+        let mut offsets = BTreeMap::new();
+        for (&channel_id, entries) in &self.indexes {
+            let mut records = entries.clone();
+            records.sort_by_key(|entry| entry.log_time);
+            offsets.insert(channel_id, position + bytes.len() as u64);
+            let index = MessageIndex {
+                channel_id,
+                records,
+            };
+            push_record(bytes, op::MESSAGE_INDEX, &serialize(&index));
+        }
+        offsets
+    }
+}

@@ -1,0 +1,218 @@
+//! The original of an enriched log: what the result carries of it, and how it is had back.
+//!
+//! The result begins with the original's bytes up to its data section's end. What the original had from there
+//! on is an attachment of the result, the last record of its data section.
+
+use std::{
+    fs::File,
+    io::{self, Read, Seek, Write},
+};
+
+use mcap::records::{AttachmentIndex, Record, op};
+use prost::Message;
+use sha2::{Digest, Sha256};
+
+use super::provenance;
+use crate::{
+    derived::Quantity,
+    error::{Error, Lost},
+    log::{Log, prefix::Prefix, record::Records},
+    messages::v1::OriginalTail,
+};
+
+/// The attachment's name.
+pub const NAME: &str = "flightcam/original_tail";
+
+/// Its content is a `flightcam.v1.OriginalTail`.
+pub(super) const MEDIA_TYPE: &str = "application/x-protobuf";
+
+/// How much of the tail is in memory uncompressed.
+const PIECE: u64 = 1024 * 1024;
+
+/// A log as it was before flightcam added to it.
+#[derive(Debug)]
+pub struct Original {
+    /// The original.
+    pub log: Log,
+    /// What had been made of it by the run that was undone for it; or why none was, so that the log is what the
+    /// file has.
+    pub undone: Result<String, Lost>,
+}
+
+impl Original {
+    /// Of a log, enriched or not. Nothing is written: of an enriched log the end is merely read from elsewhere.
+    ///
+    /// # Errors
+    /// The log cannot be read.
+    pub fn of(log: Log) -> Result<Self, Error> {
+        Ok(match find(&log)? {
+            Ok(tail) => Self {
+                undone: Ok(provenance::describe(&log)?),
+                log: tail.before(log)?,
+            },
+            Err(lost) => Self {
+                log,
+                undone: Err(lost),
+            },
+        })
+    }
+
+    /// Checks that the log has none of the topics that are to be added, be it from an earlier run that cannot be
+    /// undone or from somebody else.
+    ///
+    /// # Errors
+    /// It has one; the error tells whose it is.
+    pub fn check_topics_are_free(&self) -> Result<(), Error> {
+        let lost = self.undone.as_ref().err().copied();
+        provenance::check_topics_are_free(&self.log, lost.unwrap_or(Lost::Rewritten))
+    }
+}
+
+/// What the log has behind its data section, and what identifies the data section, ready to be attached.
+pub(super) fn encode(log: &Log) -> Result<Vec<u8>, Error> {
+    let data_end = log.data_end;
+    let prefix = Prefix::of(log.file.handle(), data_end)
+        .map_err(|source| Error::io("cannot read", log.file.path(), source))?;
+    let (tail_zstd, tail_sha256) = compress(log, data_end)?;
+    let message = OriginalTail {
+        data_end,
+        tail_length: log.file.len() - data_end,
+        data_section_crc: log.data_crc,
+        head_sha256: prefix.head_sha256.to_vec(),
+        foot_sha256: prefix.foot_sha256.to_vec(),
+        tail_sha256,
+        tail_zstd,
+    };
+    Ok(message.encode_to_vec())
+}
+
+/// The log from `start` on as a zstd frame, and the hash of what was compressed. Piece by piece, because a
+/// recorder that crashed can leave gigabytes of zeros.
+fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), Error> {
+    let failed = |source| Error::io("cannot compress the end of", log.file.path(), source);
+    let mut sha256 = Sha256::new();
+    let mut zstd =
+        zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL).map_err(failed)?;
+    let mut piece = Vec::new();
+    let mut position = start;
+    while position < log.file.len() {
+        let length = PIECE.min(log.file.len() - position);
+        log.file.read_into(&mut piece, position, length)?;
+        sha256.update(&piece);
+        zstd.write_all(&piece).map_err(failed)?;
+        position += length;
+    }
+    Ok((zstd.finish().map_err(failed)?, sha256.finalize().to_vec()))
+}
+
+/// The tail of the original that a log carries, or why there is none that can be trusted.
+fn find(log: &Log) -> Result<Result<OriginalTail, Lost>, Error> {
+    let attachments = &log.contents.attachments;
+    let named = attachments.iter().map(|index| &index.record);
+    let Some(index) = named.filter(|index| index.name == NAME).next_back() else {
+        return Ok(Err(provenance::why_no_way_back(log)?));
+    };
+    let rewritten = Ok(Err(Lost::Rewritten));
+    let Some(tail) = decode(log, index)? else {
+        return rewritten;
+    };
+    let prefix = Prefix {
+        length: tail.data_end,
+        head_sha256: match tail.head_sha256.as_slice().try_into() {
+            Ok(hash) => hash,
+            Err(_) => return rewritten,
+        },
+        foot_sha256: match tail.foot_sha256.as_slice().try_into() {
+            Ok(hash) => hash,
+            Err(_) => return rewritten,
+        },
+    };
+    let is_intact = prefix.length <= index.offset
+        && index.offset.checked_add(index.length) == Some(log.data_end)
+        && is_all_ours(log, prefix.length)
+        && Prefix::of(log.file.handle(), prefix.length)
+            .map_err(|source| Error::io("cannot read", log.file.path(), source))?
+            == prefix;
+    Ok(if is_intact {
+        Ok(tail)
+    } else {
+        Err(Lost::Rewritten)
+    })
+}
+
+fn decode(log: &Log, index: &AttachmentIndex) -> Result<Option<OriginalTail>, Error> {
+    let record = log.file.read(index.offset, index.length)?;
+    let attachment = (Records::new(&record).next())
+        .and_then(Result::ok)
+        .filter(|record| record.opcode == op::ATTACHMENT)
+        .and_then(|record| mcap::parse_record(op::ATTACHMENT, record.body).ok());
+    Ok(match attachment {
+        Some(Record::Attachment { data, .. }) => OriginalTail::decode(&*data).ok(),
+        _ => None,
+    })
+}
+
+/// Whether flightcam wrote everything from `start` on.
+fn is_all_ours(log: &Log, start: u64) -> bool {
+    let contents = &log.contents;
+    let is_derived = |id: &u16| {
+        let channel = contents.definitions.channels.get(id);
+        channel.is_some_and(|channel| {
+            Quantity::ALL
+                .iter()
+                .any(|quantity| quantity.topic() == channel.record.topic)
+        })
+    };
+    let segments = (contents.segments.iter()).filter(|segment| segment.offset >= start);
+    let attachments = (contents.attachments.iter()).filter(|index| index.record.offset >= start);
+    let metadata = (contents.metadata.iter()).filter(|index| index.record.offset >= start);
+    segments
+        .flat_map(|segment| segment.message_counts.keys())
+        .all(is_derived)
+        && attachments.map(|index| &index.record.name).eq([NAME])
+        && metadata
+            .map(|index| &index.record.name)
+            .eq([provenance::NAME])
+}
+
+impl OriginalTail {
+    /// The log that this is the tail of, read from the one that carries it.
+    fn before(&self, log: Log) -> Result<Log, Error> {
+        let path = log.file.path().to_owned();
+        let tail = self
+            .decompress()
+            .map_err(|source| Error::io("cannot keep the end of", &path, source))?
+            .ok_or(Error::NotRestorable {
+                path,
+                reason: Lost::Rewritten,
+            })?;
+        let file = log.file.with_tail(self.data_end, tail, self.tail_length);
+        Log::read(file)
+    }
+
+    /// The tail in a temporary file; `None` if it is not the one that was compressed.
+    fn decompress(&self) -> io::Result<Option<File>> {
+        let mut file = tempfile::tempfile()?;
+        let mut sha256 = Sha256::new();
+        // One byte more than there should be tells a longer tail from a right one.
+        let mut zstd =
+            zstd::Decoder::new(self.tail_zstd.as_slice())?.take(self.tail_length.saturating_add(1));
+        let mut piece = vec![0; PIECE as usize];
+        let mut length = 0;
+        loop {
+            // A damaged frame is no trouble with the disk.
+            let read = match zstd.read(&mut piece) {
+                Ok(0) => break,
+                Ok(read) => read,
+                Err(_) => return Ok(None),
+            };
+            sha256.update(&piece[..read]);
+            file.write_all(&piece[..read])?;
+            length += read as u64;
+        }
+        file.rewind()?;
+        let is_right = length == self.tail_length
+            && sha256.finalize().as_slice() == self.tail_sha256.as_slice();
+        Ok(is_right.then_some(file))
+    }
+}
