@@ -1,5 +1,6 @@
 //! The pipeline: reader → transform → writer → report.
 
+mod copying;
 mod derivation;
 mod output;
 

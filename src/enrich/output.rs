@@ -1,15 +1,11 @@
 //! Where the result of a run goes: to a new file, into the log itself, or to a stream.
 
-use std::{
-    io::Write,
-    panic,
-    path::Path,
-    sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
-    thread::{self, ScopedJoinHandle},
-    time::Duration,
-};
+use std::{cell::OnceCell, io::Write, path::Path, thread};
 
-use super::derivation::{BoxedWriter, Derivation};
+use super::{
+    copying::Copying,
+    derivation::{BoxedWriter, Derivation},
+};
 use crate::{
     error::Error,
     log::{Log, file::WriteAt, journal::Journal},
@@ -17,9 +13,6 @@ use crate::{
     report::Report,
     writer::{Appender, copy::copy_data, destination::Destination},
 };
-
-/// How often the progress of a copy is looked at when there is nothing else to do.
-const GLANCE: Duration = Duration::from_millis(50);
 
 /// Writes a new file, into which the log is copied while its telemetry is read.
 pub fn to_new_file(
@@ -32,46 +25,25 @@ pub fn to_new_file(
     let path = destination.path();
     let format = derivation.format.clone();
     let mut pending = None;
-    let copied = AtomicU64::new(0);
-    let is_over = AtomicBool::new(false);
     let (writer, findings) = thread::scope(|scope| {
-        let _over = SetWhenDropped(&is_over);
-        let waiting = thread::current();
-        let mut copying: Option<ScopedJoinHandle<_>> = None;
+        let copying = OnceCell::new();
         let begin = || {
             let metadata = log.file.handle().metadata().map_err(failed)?;
             let created = destination.create(metadata.permissions())?;
             let file = pending.insert(created).file();
+            let started = Copying::start(scope, log, file, destination).map_err(failed)?;
+            let _ = copying.set(started);
             let behind = WriteAt::new(file, log.data_end).map_err(failed)?;
-            let mut file = file.try_clone().map_err(failed)?;
-            let (copied, is_over) = (&copied, &is_over);
-            copying = Some(scope.spawn(move || {
-                let result = copy_data(log, &mut file, failed, |done| {
-                    copied.store(done, Relaxed);
-                    match is_over.load(Relaxed) {
-                        false => Ok(()),
-                        // Nobody sees this; the run has an error of its own.
-                        true => Err(Error::Interrupted {
-                            path: path.into(),
-                            left: "nothing was written",
-                        }),
-                    }
-                });
-                waiting.unpark();
-                result
-            }));
             let appender = Appender::begin(log, behind, path.into(), format)?;
             Ok(Box::new(appender) as BoxedWriter)
         };
-        let tell = |read, of| watcher.bytes(copied.load(Relaxed) + read, log.data_end + of);
-        let (writer, findings, read) = derivation.run(begin, tell)?;
-        let copying = copying.expect("the writer was begun");
-        while !copying.is_finished() {
-            thread::park_timeout(GLANCE);
-            tell(read, read)?;
-        }
-        let copied = copying.join();
-        copied.unwrap_or_else(|panic| panic::resume_unwind(panic))?;
+        let read = |read, of| {
+            let copied = copying.get().map_or(0, Copying::done);
+            watcher.bytes(copied + read, log.data_end + of)
+        };
+        let (writer, findings, read) = derivation.run(begin, read)?;
+        let copying = copying.into_inner().expect("the writer was begun");
+        copying.finish(|copied| watcher.bytes(copied + read, log.data_end + read))?;
         Ok((writer, findings))
     })?;
     let written = writer.finish(findings.facts())?;
@@ -133,13 +105,4 @@ pub fn to_stream(
     let (writer, findings, _) = derivation.run(begin, read)?;
     let written = writer.finish(findings.facts())?;
     Ok(findings.report(name.into(), written))
-}
-
-/// Tells another thread that there is nothing to wait for any more, however that came.
-struct SetWhenDropped<'a>(&'a AtomicBool);
-
-impl Drop for SetWhenDropped<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Relaxed);
-    }
 }

@@ -30,6 +30,8 @@ pub struct Appender<'a, W> {
     section: Section<W>,
     channels: NewChannels<'a>,
     batch: Batch,
+    /// The original's end, ready to be attached.
+    tail: Vec<u8>,
     /// The chunk indexes of chunks that had no message indexes until now, by the chunks' offsets.
     reindexed: BTreeMap<u64, ChunkIndex>,
 }
@@ -48,6 +50,8 @@ impl<'a, W: Write> Appender<'a, W> {
             path,
             channels: NewChannels::new(log, format),
             batch: Batch::default(),
+            // Read now, because `out` may be the log's own file.
+            tail: original::encode(log)?,
             reindexed: BTreeMap::new(),
         };
         if !log.contents.has_loose_messages() {
@@ -74,10 +78,10 @@ impl<W: Write> LogWriter for Appender<'_, W> {
             log,
             path,
             mut section,
+            tail,
             reindexed,
             ..
         } = *self;
-        let tail = original::encode(log)?;
         let record = provenance::record(messages.keys().copied(), Layout::Append, facts);
         // An attachment has a time; the original's end belongs to the end of its messages.
         let log_time = log.contents.statistics.message_end_time;
