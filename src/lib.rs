@@ -25,14 +25,16 @@
 //! | [`camera`] | how the camera hangs on the drone | geometry, sample |
 //! | [`derived`] | what flows from transform to writer | geometry, sample |
 //! | [`transform`] | samples → derived values, a state machine without I/O | the four above |
-//! | [`log`] | the MCAP container: what a log holds, where its bytes lie | nobody |
+//! | [`log`] | the MCAP container: what a log holds, where its bytes lie; its file, locked and changed under a journal | nobody |
 //! | [`source`] | how a log says it: profiles, fields, and decoders for protobuf, JSON, ROS 2 and ROS 1 | log, sample, geometry |
 //! | [`reader`] | log + source → samples in time order | log, source, sample |
 //! | [`messages`] | how derived values are said in protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
-//! | [`writer`] | derived values → channels appended to a log; destinations | log, derived, messages |
-//! | [`mod@enrich`] | the pipeline | all of the above |
+//! | [`writer`] | derived values → channels added to a log; the original that an enriched log carries; destinations | log, derived, messages |
+//! | [`mod@enrich`] | the pipeline: reading, deriving and writing at the same time | all of the above |
+//! | [`mod@restore`] | an enriched log → the original | log, writer |
 //! | [`mod@inspect`] | what a log has and what would come of it | all but transform and reader |
-//! | [`options`] | what the user decides about a run | camera, source, transform, messages |
+//! | [`options`] | what the user decides about a run | camera, source, transform, messages, writer |
+//! | [`progress`] | how far a run is, and ending it early | log |
 //! | [`report`] | what a run found and did | what it reports on |
 //! | [`error`] | what can go wrong, said so that the user knows what to do | |
 //!
