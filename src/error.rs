@@ -272,6 +272,14 @@ impl Error {
         }
     }
 
+    pub(crate) fn corrupt(path: &Path, offset: u64, what: impl Into<String>) -> Self {
+        Self::Corrupt {
+            path: path.into(),
+            offset,
+            what: what.into(),
+        }
+    }
+
     /// Whether the log could not be read, as opposed to not having what is looked for.
     pub fn is_of_reading(&self) -> bool {
         matches!(self, Self::Io { .. } | Self::Corrupt { .. })

@@ -1,14 +1,15 @@
 //! A log in the MCAP container: what it holds, where its bytes lie, and its messages.
 //!
 //! A [`Log`] is opened from its summary where that accounts for everything, else by reading it from start to
-//! end. Either way its messages lie in [segments](contents::Segment): chunks, or runs of messages outside
-//! chunks.
+//! end. One that comes through a pipe is read [while it is passed on](stream). Either way its messages lie in
+//! [segments](contents::Segment): chunks, or runs of messages outside chunks.
 
 pub mod contents;
 pub mod file;
 pub mod journal;
 pub mod prefix;
 pub mod record;
+pub mod stream;
 
 mod chunk;
 mod foreign;
@@ -30,11 +31,11 @@ use chunk::ChunkReader;
 use contents::{Contents, Segment, SegmentKind};
 use file::{Access, LogFile};
 use record::{RawMessage, Records, parse};
-use scan::{Collector, Step, Walker};
-use summary::Ending;
+use scan::{Bodies, Collector, Step, Walker};
+use summary::{DATA_END_LENGTH, Ending};
 
 /// A longer payload is none that [`Log::first_payloads`] gives.
-const LONGEST_EXAMPLE: usize = 64 * 1024;
+pub const LONGEST_EXAMPLE: usize = 64 * 1024;
 
 /// An open log.
 #[derive(Debug)]
@@ -82,7 +83,7 @@ impl Log {
     /// The file cannot be read, is not an MCAP, or is damaged where it is needed.
     pub fn read(file: LogFile) -> Result<Self, Error> {
         let header = read_header(&file)?;
-        let ending = Ending::read(&file)?;
+        let ending = Ending::read(&file, 0)?;
         if let Some(Ending {
             data_end,
             data_crc,
@@ -105,55 +106,78 @@ impl Log {
 
     /// Reads the log from start to end, which its `ending` may tell.
     fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, Error> {
-        let known_end = ending.as_ref().map(|ending| ending.data_end);
-        let end = known_end.unwrap_or(file.len());
+        let end = (ending.as_ref()).map_or(file.len(), |ending| ending.data_end);
         let mut walker = Walker::new(&file, mcap::MAGIC.len() as u64, end);
         let mut collector = Collector::default();
-        let mut data_crc = ending.as_ref().and_then(|ending| ending.data_crc);
-        let mut breaks_off_at = None;
-        let data_end = loop {
+        let stop = loop {
             match walker.step()? {
                 Step::Record(frame) if frame.opcode == op::DATA_END => {
-                    let crc = parse(walker.body(&frame, u64::MAX)?)
-                        .map_or(0, |end: DataEnd| end.data_section_crc);
-                    data_crc = (crc != 0).then_some(crc);
-                    break frame.offset;
+                    let body = walker.body(&frame, DATA_END_LENGTH as u64)?;
+                    break Stop::data_end(frame.offset, body);
                 }
-                Step::Record(frame) if frame.opcode == op::FOOTER => break frame.offset,
+                Step::Record(frame) if frame.opcode == op::FOOTER => {
+                    break Stop::Footer {
+                        offset: frame.offset,
+                    };
+                }
                 Step::Record(frame) => collector.record(&mut walker, &frame)?,
-                Step::Torn { offset } if known_end.is_some() => {
-                    return Err(file.corrupt(offset, "what is there is not a record"));
-                }
-                Step::End => {
-                    breaks_off_at = known_end.is_none().then_some(end);
-                    break end;
-                }
-                Step::Torn { offset } => {
-                    breaks_off_at = Some(offset);
-                    break offset;
-                }
+                Step::End => break Stop::End { offset: end },
+                Step::Torn { offset } => break Stop::Torn { offset },
             }
         };
+        let log = Self::read_to_end(file, header, ending, stop, collector)?;
+        // A summary that agrees with what was found did not tell how to find it.
+        let scanned = log.scanned.or(Some(ScanReason::IncompleteSummary));
+        Ok(Self { scanned, ..log })
+    }
+
+    /// A log all of whose records were read up to where that stopped, and what was found in them.
+    fn read_to_end(
+        file: LogFile,
+        header: Header,
+        ending: Option<Ending>,
+        stop: Stop,
+        mut collector: Collector,
+    ) -> Result<Self, Error> {
+        let mut data_crc = ending.as_ref().and_then(|ending| ending.data_crc);
+        let mut breaks_off_at = None;
+        let data_end = match stop {
+            Stop::DataEnd { offset, crc } => {
+                data_crc = crc;
+                offset
+            }
+            Stop::Torn { offset } if ending.is_some() => {
+                return Err(file.corrupt(offset, "what is there is not a record"));
+            }
+            Stop::Torn { offset } => {
+                breaks_off_at = Some(offset);
+                offset
+            }
+            Stop::End { offset } => {
+                breaks_off_at = ending.is_none().then_some(offset);
+                offset
+            }
+            Stop::Footer { offset } => offset,
+        };
+        let defined_in_chunks = std::mem::take(&mut collector.defined_in_chunks);
         let mut contents = collector.finish();
-        let scanned = match ending {
-            None => ScanReason::NotClosed,
-            Some(Ending { summary: None, .. }) => ScanReason::NoSummary,
-            Some(Ending {
-                summary: Some(summary),
-                ..
-            }) => {
-                summary.supplement(&mut contents);
-                ScanReason::IncompleteSummary
+        contents.statistics = contents.recount();
+        let scanned = match ending.map(|ending| ending.summary) {
+            None => Some(ScanReason::NotClosed),
+            Some(None) => Some(ScanReason::NoSummary),
+            Some(Some(summary)) => {
+                let is_complete =
+                    summary.complete(&mut contents) && summary.repeats(&defined_in_chunks);
+                (!is_complete).then_some(ScanReason::IncompleteSummary)
             }
         };
-        contents.statistics = contents.recount();
         Ok(Self {
             file,
             header,
             data_end,
             data_crc,
             contents,
-            scanned: Some(scanned),
+            scanned,
             breaks_off_at,
         })
     }
@@ -289,21 +313,33 @@ impl<'a> SegmentReader<'a> {
     }
 }
 
+/// Where reading a log's records one after the other stopped.
+enum Stop {
+    /// At the DataEnd record, which may have the data section's checksum.
+    DataEnd { offset: u64, crc: Option<u32> },
+    /// At the footer of a log without a DataEnd record.
+    Footer { offset: u64 },
+    /// Where the data section should end, and a record does.
+    End { offset: u64 },
+    /// Before the data section's end, where no whole record is.
+    Torn { offset: u64 },
+}
+
+impl Stop {
+    /// At the DataEnd record with this body.
+    fn data_end(offset: u64, body: &[u8]) -> Self {
+        let crc = parse(body).map_or(0, |end: DataEnd| end.data_section_crc);
+        Self::DataEnd {
+            offset,
+            crc: (crc != 0).then_some(crc),
+        }
+    }
+}
+
 /// Checks the magic bytes and reads the header.
 fn read_header(file: &LogFile) -> Result<Header, Error> {
-    if file.len() == 0 {
-        return Err(Error::Empty {
-            path: file.path().into(),
-        });
-    }
     let magic_length = mcap::MAGIC.len() as u64;
-    let start = file.read(0, file.len().min(magic_length))?;
-    if start != mcap::MAGIC {
-        return Err(Error::NotMcap {
-            path: file.path().into(),
-            advice: foreign::advice(&start),
-        });
-    }
+    check_magic(file.path(), &file.read(0, file.len().min(magic_length))?)?;
     let mut walker = Walker::new(file, magic_length, file.len());
     if let Step::Record(frame) = walker.step()?
         && frame.opcode == op::HEADER
@@ -311,8 +347,21 @@ fn read_header(file: &LogFile) -> Result<Header, Error> {
     {
         return Ok(header);
     }
-    Err(file.corrupt(
-        magic_length,
-        "there should be the header, the log's first record",
-    ))
+    Err(file.corrupt(magic_length, NO_HEADER))
+}
+
+/// What is wrong where a log's first record should be.
+const NO_HEADER: &str = "there should be the header, the log's first record";
+
+/// Checks the bytes that a log starts with: as many as the magic bytes are, or all where there are fewer.
+fn check_magic(path: &Path, start: &[u8]) -> Result<(), Error> {
+    let path = path.to_owned();
+    match start {
+        [] => Err(Error::Empty { path }),
+        start if start == mcap::MAGIC => Ok(()),
+        start => Err(Error::NotMcap {
+            path,
+            advice: foreign::advice(start),
+        }),
+    }
 }

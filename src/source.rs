@@ -1,5 +1,6 @@
 //! How a log says it: the profile that fits, the channels that it names, and their messages → samples.
 
+pub mod candidates;
 pub mod path;
 pub mod profile;
 pub mod request;

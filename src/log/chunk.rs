@@ -13,22 +13,26 @@ use crate::error::Error;
 /// More than any recorder puts into a chunk. A chunk that claims more is refused before it fills the memory.
 const MAX_CONTENT: u64 = 1 << 30;
 
+/// Content that does not compress becomes a little longer. Nor is any other record longer that is of use as a whole.
+pub const MAX_RECORD: u64 = MAX_CONTENT + MAX_CONTENT / 64;
+
 /// Reads chunks, reusing its buffers from one to the next.
 #[derive(Default)]
 pub struct ChunkReader {
     raw: Vec<u8>,
-    decoder: Decoder,
+    decoder: ChunkDecoder,
 }
 
+/// Gives the content of chunks that are in memory, reusing its buffers from one to the next.
 #[derive(Default)]
-struct Decoder {
+pub struct ChunkDecoder {
     zstd: Option<zstd::bulk::Decompressor<'static>>,
     content: Vec<u8>,
 }
 
 /// Why a chunk has no readable content.
 #[derive(Debug, thiserror::Error)]
-enum ChunkFault {
+pub enum ChunkFault {
     #[error("it is no whole chunk record")]
     Malformed,
     #[error("its compression `{0}` is not supported (zstd, lz4 and none are)")]
@@ -57,36 +61,59 @@ impl ChunkReader {
         offset: u64,
         length: u64,
     ) -> Result<(ChunkHeader, Records<'_>), Error> {
-        let damaged = |fault: ChunkFault| {
-            file.corrupt(offset, format!("the chunk there is unreadable: {fault}"))
-        };
+        check_length(length).map_err(|fault| file.corrupt(offset, fault.describe()))?;
         file.read_into(&mut self.raw, offset, length)?;
-        let (header, compressed) =
-            split(&self.raw).ok_or_else(|| damaged(ChunkFault::Malformed))?;
-        let content = self.decoder.decode(&header, compressed).map_err(damaged)?;
-        Ok((header, Records::new(content)))
+        let body = match Records::new(&self.raw).next() {
+            Some(Ok(RawRecord {
+                opcode: op::CHUNK,
+                body,
+                ..
+            })) => Ok(body),
+            _ => Err(ChunkFault::Malformed),
+        };
+        body.and_then(|body| self.decoder.records(body))
+            .map_err(|fault| file.corrupt(offset, fault.describe()))
     }
 }
 
-/// The header of a chunk's record, and what is compressed in it.
-fn split(record: &[u8]) -> Option<(ChunkHeader, &[u8])> {
-    match Records::new(record).next()?.ok()? {
-        RawRecord {
-            opcode: op::CHUNK,
-            body,
-            ..
-        } => match mcap::parse_record(op::CHUNK, body).ok()? {
-            Record::Chunk {
-                header,
-                data: Cow::Borrowed(data),
-            } => Some((header, data)),
-            _ => None,
-        },
+/// Refuses a record that is longer than that of any chunk, so that nobody needs to read it.
+pub fn check_length(length: u64) -> Result<(), ChunkFault> {
+    match length {
+        0..=MAX_RECORD => Ok(()),
+        _ => Err(ChunkFault::TooLarge(length)),
+    }
+}
+
+/// The header of a chunk, from the body of its record, and what is compressed in it.
+fn split(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
+    match mcap::parse_record(op::CHUNK, body).ok()? {
+        Record::Chunk {
+            header,
+            data: Cow::Borrowed(data),
+        } => Some((header, data)),
         _ => None,
     }
 }
 
-impl Decoder {
+impl ChunkFault {
+    /// In words, of the place where the chunk lies.
+    pub fn describe(&self) -> String {
+        format!("the chunk there is unreadable: {self}")
+    }
+}
+
+impl ChunkDecoder {
+    /// The header of a chunk, from the body of its record, and the records that it holds, checked against its
+    /// length and, where it has one, its checksum.
+    pub fn records<'a>(
+        &'a mut self,
+        body: &'a [u8],
+    ) -> Result<(ChunkHeader, Records<'a>), ChunkFault> {
+        let (header, compressed) = split(body).ok_or(ChunkFault::Malformed)?;
+        let content = self.decode(&header, compressed)?;
+        Ok((header, Records::new(content)))
+    }
+
     fn decode<'a>(
         &'a mut self,
         header: &ChunkHeader,

@@ -1,7 +1,7 @@
 //! What a log holds: the merged knowledge of its summary and of what was scanned.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::{BTreeMap, BTreeSet, btree_map::Entry},
     ops::Range,
 };
 
@@ -40,16 +40,25 @@ pub struct Definitions {
 }
 
 impl Definitions {
-    /// Takes the body of a schema record or else of a channel record; `None` if it cannot be read.
-    pub fn add(&mut self, opcode: u8, body: &[u8]) -> Option<()> {
-        if opcode == op::SCHEMA {
+    /// Takes the body of a schema record or else of a channel record. Gives its id if it is new; `None` if the body
+    /// cannot be read.
+    pub fn add(&mut self, opcode: u8, body: &[u8]) -> Option<Option<u16>> {
+        fn insert<T>(known: &mut BTreeMap<u16, T>, id: u16, new: T) -> Option<u16> {
+            match known.entry(id) {
+                Entry::Occupied(_) => None,
+                Entry::Vacant(place) => {
+                    place.insert(new);
+                    Some(id)
+                }
+            }
+        }
+        Some(if opcode == op::SCHEMA {
             let schema = Schema::parse(body)?;
-            self.schemas.entry(schema.id).or_insert(schema);
+            insert(&mut self.schemas, schema.id, schema)
         } else {
             let channel = Raw::<Channel>::parse(body).ok()?;
-            self.channels.entry(channel.record.id).or_insert(channel);
-        }
-        Some(())
+            insert(&mut self.channels, channel.record.id, channel)
+        })
     }
 }
 

@@ -60,11 +60,24 @@ impl LogFile {
             recovered = journal::recover(&file, path)?;
         }
         Ok(Self {
+            recovered,
+            ..Self::from_file(path, file)?
+        })
+    }
+
+    /// A file that is open already, and what errors call it. Nobody else must have it.
+    ///
+    /// # Errors
+    /// It cannot be said how long it is.
+    pub fn from_file(path: &Path, file: File) -> Result<Self, Error> {
+        let metadata = file.metadata();
+        let metadata = metadata.map_err(|source| Error::io("cannot open the log", path, source))?;
+        Ok(Self {
             path: path.into(),
-            len: file.metadata().map_err(io)?.len(),
+            len: metadata.len(),
             file,
             tail: None,
-            recovered,
+            recovered: false,
         })
     }
 
@@ -144,11 +157,7 @@ impl LogFile {
 
     /// The error for a place at which the file is not what the format says.
     pub fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error {
-        Error::Corrupt {
-            path: self.path.clone(),
-            offset,
-            what: what.into(),
-        }
+        Error::corrupt(&self.path, offset, what)
     }
 }
 

@@ -7,8 +7,8 @@ use mcap::records::{
 };
 
 use super::{
-    chunk::ChunkReader,
-    contents::{Contents, Segment, SegmentKind},
+    chunk::{self, ChunkDecoder},
+    contents::{Contents, Definitions, Segment, SegmentKind},
     file::LogFile,
     record::{FRAME_LENGTH, MESSAGE_HEADER_LENGTH, Raw, RawMessage, parse, split_frame},
 };
@@ -38,7 +38,8 @@ impl Frame {
         self.offset + FRAME_LENGTH as u64 + self.length
     }
 
-    fn body_offset(&self) -> u64 {
+    /// Where its body starts.
+    pub fn body_offset(&self) -> u64 {
         self.offset + FRAME_LENGTH as u64
     }
 }
@@ -53,6 +54,15 @@ pub enum Step {
     Torn {
         offset: u64,
     },
+}
+
+/// Where the bodies of records are.
+pub trait Bodies {
+    /// The first `most` bytes of a record's body, or all of it where it is shorter.
+    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error>;
+
+    /// The error for a place at which the log is not what the format says.
+    fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error;
 }
 
 /// Steps from record to record, reading opcodes and lengths but no bodies unless asked.
@@ -102,11 +112,6 @@ impl<'a> Walker<'a> {
         Ok(Step::Record(frame))
     }
 
-    /// The first `most` bytes of a record's body, or all of it where it is shorter.
-    pub fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error> {
-        self.bytes(frame.body_offset(), frame.length.min(most))
-    }
-
     fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], Error> {
         let window_end = self.window_start + self.window.len() as u64;
         if offset < self.window_start || offset + length > window_end {
@@ -120,13 +125,34 @@ impl<'a> Walker<'a> {
     }
 }
 
+impl Bodies for Walker<'_> {
+    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error> {
+        self.bytes(frame.body_offset(), frame.length.min(most))
+    }
+
+    fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error {
+        self.file.corrupt(offset, what)
+    }
+}
+
 /// Collects what records say, one after the other in the order of the file.
 #[derive(Default)]
 pub struct Collector {
     pub contents: Contents,
-    chunks: ChunkReader,
+    /// The definitions that were in chunks first.
+    pub defined_in_chunks: Vec<DefinedInChunk>,
+    chunks: ChunkDecoder,
     /// The chunk that message indexes may still follow.
     open_chunk: Option<OpenChunk>,
+}
+
+/// A schema or a channel that is defined in a chunk.
+pub struct DefinedInChunk {
+    /// Where the chunk lies.
+    pub chunk: u64,
+    /// Whether it is a schema or a channel.
+    pub opcode: u8,
+    pub id: u16,
 }
 
 struct OpenChunk {
@@ -149,32 +175,46 @@ impl Collector {
     }
 
     /// Takes one record of the data section.
-    pub fn record(&mut self, walker: &mut Walker, frame: &Frame) -> Result<(), Error> {
+    pub fn record(&mut self, bodies: &mut impl Bodies, frame: &Frame) -> Result<(), Error> {
+        self.record_and_visit(bodies, frame, |_, _, _| {})
+    }
+
+    /// As [`record`](Self::record). `visit` is shown each message of a chunk, the body of its record, and what
+    /// was defined before it.
+    pub fn record_and_visit(
+        &mut self,
+        bodies: &mut impl Bodies,
+        frame: &Frame,
+        visit: impl FnMut(&Definitions, &RawMessage, &[u8]),
+    ) -> Result<(), Error> {
         if frame.opcode != op::MESSAGE_INDEX {
             self.close_chunk();
         }
-        let file = walker.file;
-        let malformed =
-            |what: &str| file.corrupt(frame.offset, format!("the {what} there cannot be read"));
         match frame.opcode {
             op::SCHEMA | op::CHANNEL => {
-                let body = walker.body(frame, u64::MAX)?;
-                self.contents
-                    .definitions
-                    .add(frame.opcode, body)
-                    .ok_or_else(|| malformed("schema or channel"))?;
+                let body = bodies.body(frame, u64::MAX)?;
+                let added = self.contents.definitions.add(frame.opcode, body);
+                added.ok_or_else(|| malformed(bodies, frame, "schema or channel"))?;
             }
             op::MESSAGE => {
                 // The payload is of no interest here.
-                let message = RawMessage::parse(walker.body(frame, MESSAGE_HEADER_LENGTH as u64)?)
-                    .ok_or_else(|| malformed("message"))?;
-                self.loose_message(frame, message.channel_id, message.log_time);
+                let message = RawMessage::parse(bodies.body(frame, MESSAGE_HEADER_LENGTH as u64)?)
+                    .map(|message| (message.channel_id, message.log_time));
+                let (channel_id, log_time) =
+                    message.ok_or_else(|| malformed(bodies, frame, "message"))?;
+                self.loose_message(frame, channel_id, log_time);
             }
-            op::CHUNK => self.chunk(file, frame)?,
+            op::CHUNK => {
+                chunk::check_length(frame.length)
+                    .map_err(|fault| bodies.corrupt(frame.offset, fault.describe()))?;
+                let body = bodies.body(frame, u64::MAX)?;
+                let chunk = self.chunk(frame, body, visit);
+                self.open_chunk = Some(chunk.map_err(|what| bodies.corrupt(frame.offset, what))?);
+            }
             op::MESSAGE_INDEX => {
                 if let Some(chunk) = &mut self.open_chunk {
-                    let index: MessageIndex = parse(walker.body(frame, u64::MAX)?)
-                        .map_err(|_| malformed("message index"))?;
+                    let index: MessageIndex = parse(bodies.body(frame, u64::MAX)?)
+                        .map_err(|_| malformed(bodies, frame, "message index"))?;
                     *chunk.indexed.entry(index.channel_id).or_default() +=
                         index.records.len() as u64;
                     chunk.index_offsets.insert(index.channel_id, frame.offset);
@@ -182,13 +222,13 @@ impl Collector {
                 }
             }
             op::ATTACHMENT => {
-                let index =
-                    attachment_index(walker, frame)?.ok_or_else(|| malformed("attachment"))?;
+                let index = attachment_index(bodies, frame)?
+                    .ok_or_else(|| malformed(bodies, frame, "attachment"))?;
                 self.contents.attachments.push(Raw::new(index));
             }
             op::METADATA => {
-                let metadata: Metadata = parse(walker.body(frame, u64::MAX)?)
-                    .map_err(|_| malformed("metadata record"))?;
+                let metadata: Metadata = parse(bodies.body(frame, u64::MAX)?)
+                    .map_err(|_| malformed(bodies, frame, "metadata record"))?;
                 self.contents.metadata.push(Raw::new(MetadataIndex {
                     offset: frame.offset,
                     length: frame.end() - frame.offset,
@@ -231,41 +271,45 @@ impl Collector {
         *run.message_counts.entry(channel_id).or_default() += 1;
     }
 
-    fn chunk(&mut self, file: &LogFile, frame: &Frame) -> Result<(), Error> {
-        let malformed = || {
-            file.corrupt(
-                frame.offset,
-                "the chunk there holds a record that breaks off",
-            )
-        };
-        let length = frame.end() - frame.offset;
-        let (header, records) = self.chunks.read(file, frame.offset, length)?;
+    /// Takes what a chunk holds; the error says in words what is wrong with it.
+    fn chunk(
+        &mut self,
+        frame: &Frame,
+        body: &[u8],
+        mut visit: impl FnMut(&Definitions, &RawMessage, &[u8]),
+    ) -> Result<OpenChunk, String> {
+        let malformed = || "the chunk there holds a record that breaks off".to_owned();
+        let (header, records) = (self.chunks.records(body)).map_err(|fault| fault.describe())?;
+        let definitions = &mut self.contents.definitions;
         let mut times = None;
         let mut message_counts = BTreeMap::new();
         for record in records {
             let record = record.map_err(|_| malformed())?;
             match record.opcode {
                 op::SCHEMA | op::CHANNEL => {
-                    self.contents
-                        .definitions
-                        .add(record.opcode, record.body)
-                        .ok_or_else(malformed)?;
+                    let opcode = record.opcode;
+                    let added = definitions.add(opcode, record.body);
+                    if let Some(id) = added.ok_or_else(malformed)? {
+                        let chunk = frame.offset;
+                        (self.defined_in_chunks).push(DefinedInChunk { chunk, opcode, id });
+                    }
                 }
                 op::MESSAGE => {
                     let message = RawMessage::parse(record.body).ok_or_else(malformed)?;
                     times = widen(times, message.log_time);
                     *message_counts.entry(message.channel_id).or_default() += 1;
+                    visit(definitions, &message, record.body);
                 }
                 _ => {}
             }
         }
         let (message_start_time, message_end_time) = times.unwrap_or((0, 0));
-        self.open_chunk = Some(OpenChunk {
+        Ok(OpenChunk {
             index: ChunkIndex {
                 message_start_time,
                 message_end_time,
                 chunk_start_offset: frame.offset,
-                chunk_length: length,
+                chunk_length: frame.end() - frame.offset,
                 message_index_offsets: BTreeMap::new(),
                 message_index_length: 0,
                 compression: header.compression,
@@ -277,14 +321,13 @@ impl Collector {
             indexed: BTreeMap::new(),
             index_offsets: BTreeMap::new(),
             index_length: 0,
-        });
-        Ok(())
+        })
     }
 
-    fn close_chunk(&mut self) {
-        let Some(chunk) = self.open_chunk.take() else {
-            return;
-        };
+    /// Notes that no message indexes follow the chunk any more. Whether all of its messages are indexed; `None`
+    /// where there is no chunk that was not closed yet.
+    pub fn close_chunk(&mut self) -> Option<bool> {
+        let chunk = self.open_chunk.take()?;
         let mut index = chunk.index;
         let mut indexed = chunk.indexed;
         indexed.retain(|_, count| *count > 0);
@@ -303,6 +346,12 @@ impl Collector {
                 is_indexed,
             },
         });
+        Some(is_indexed)
+    }
+
+    /// How many segments there are so far, the one in which the latest message lies included.
+    pub fn segments(&self) -> usize {
+        self.contents.segments.len() + usize::from(self.open_chunk.is_some())
     }
 }
 
@@ -311,9 +360,17 @@ fn widen(times: Option<(u64, u64)>, time: u64) -> Option<(u64, u64)> {
     Some((start.min(time), end.max(time)))
 }
 
-fn attachment_index(walker: &mut Walker, frame: &Frame) -> Result<Option<AttachmentIndex>, Error> {
+/// The error for a record whose body is not what it should be.
+fn malformed(bodies: &impl Bodies, frame: &Frame, what: &str) -> Error {
+    bodies.corrupt(frame.offset, format!("the {what} there cannot be read"))
+}
+
+fn attachment_index(
+    bodies: &mut impl Bodies,
+    frame: &Frame,
+) -> Result<Option<AttachmentIndex>, Error> {
     for most in [ATTACHMENT_HEADER, u64::MAX] {
-        let body = walker.body(frame, most)?;
+        let body = bodies.body(frame, most)?;
         let Ok(header) = parse::<AttachmentHeader>(body) else {
             continue;
         };

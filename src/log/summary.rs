@@ -1,6 +1,6 @@
 //! The summary section: what a log says of itself, and how far that can be believed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::{AttachmentIndex, ChunkIndex, Footer, MetadataIndex, Statistics, op};
 
@@ -8,7 +8,7 @@ use super::{
     contents::{Contents, Definitions, Segment, SegmentKind},
     file::LogFile,
     record::{FRAME_LENGTH, Raw, Records, parse, split_frame},
-    scan::{Collector, Step, Walker},
+    scan::{Collector, DefinedInChunk, Step, Walker},
 };
 use crate::error::Error;
 
@@ -16,7 +16,7 @@ use crate::error::Error;
 const FOOTER_LENGTH: usize = 8 + 8 + 4;
 
 /// Bytes of a DataEnd record's body: a checksum.
-const DATA_END_LENGTH: usize = 4;
+pub const DATA_END_LENGTH: usize = 4;
 
 /// The bytes of a message index before its entries (frame, channel id, length), and of one entry.
 pub const MESSAGE_INDEX_PREFIX: u64 = FRAME_LENGTH as u64 + 2 + 4;
@@ -44,8 +44,9 @@ pub struct Summary {
 }
 
 impl Ending {
-    /// Reads the end of the file; `None` where it does not end as a closed log does.
-    pub fn read(file: &LogFile) -> Result<Option<Self>, Error> {
+    /// Reads the end of the file; `None` where it does not end as a log does that was closed, with a data section
+    /// that goes on to `earliest` at least.
+    pub fn read(file: &LogFile, earliest: u64) -> Result<Option<Self>, Error> {
         let tail = (FRAME_LENGTH + FOOTER_LENGTH + mcap::MAGIC.len()) as u64;
         let Some(footer_offset) = file.len().checked_sub(tail) else {
             return Ok(None);
@@ -68,7 +69,7 @@ impl Ending {
         let Some(data_end) = summary_start.checked_sub(data_end_length) else {
             return Ok(None);
         };
-        if summary_start > footer_offset {
+        if data_end < earliest || summary_start > footer_offset {
             return Ok(None);
         }
         let record = file.read(data_end, data_end_length)?;
@@ -102,7 +103,9 @@ impl Summary {
             let record = record.ok()?;
             let body = record.body;
             match record.opcode {
-                op::SCHEMA | op::CHANNEL => summary.definitions.add(record.opcode, body)?,
+                op::SCHEMA | op::CHANNEL => {
+                    summary.definitions.add(record.opcode, body)?;
+                }
                 op::CHUNK_INDEX => summary.chunk_indexes.push(Raw::parse(body).ok()?),
                 op::ATTACHMENT_INDEX => summary.attachments.push(Raw::parse(body).ok()?),
                 op::METADATA_INDEX => summary.metadata.push(Raw::parse(body).ok()?),
@@ -125,9 +128,9 @@ impl Summary {
     /// A chunk whose index is complete is not opened: how many messages of which channels it has follows from
     /// the lengths of its message indexes.
     pub fn account_for(&self, file: &LogFile, data_end: u64) -> Result<Option<Contents>, Error> {
-        let Some(statistics) = &self.statistics else {
+        if self.statistics.is_none() {
             return Ok(None);
-        };
+        }
         let mut collector = Collector::with(Contents {
             definitions: self.definitions.clone(),
             ..Contents::default()
@@ -147,15 +150,33 @@ impl Summary {
             return Ok(None);
         }
         let mut contents = collector.finish();
-        let confirmed = self.supplement(&mut contents);
+        Ok(self.complete(&mut contents).then_some(contents))
+    }
+
+    /// Adds to all that was found in the log what only the summary has, and counts it. Whether the summary leaves
+    /// out or contradicts none of it.
+    pub fn complete(&self, contents: &mut Contents) -> bool {
+        let confirmed = self.supplement(contents);
         contents.statistics = contents.recount();
-        let accounted_for = confirmed && agree(statistics, &contents);
-        Ok(accounted_for.then_some(contents))
+        let statistics = self.statistics.as_ref();
+        confirmed && statistics.is_some_and(|statistics| agree(statistics, contents))
+    }
+
+    /// Whether this has the definitions in chunks that nobody needs to open who believes it.
+    pub fn repeats(&self, defined: &[DefinedInChunk]) -> bool {
+        let chunks = self.chunk_indexes.iter().filter_map(indexed_chunk);
+        let chunks: BTreeSet<u64> = chunks.map(|(segment, _)| segment.offset).collect();
+        let Definitions { schemas, channels } = &self.definitions;
+        let is_repeated = |defined: &DefinedInChunk| match defined.opcode {
+            op::SCHEMA => schemas.contains_key(&defined.id),
+            _ => channels.contains_key(&defined.id),
+        };
+        (defined.iter()).all(|defined| !chunks.contains(&defined.chunk) || is_repeated(defined))
     }
 
     /// Adds to what was found in the log the definitions that only the summary has, and takes over the bytes
     /// of those of its records that say the same. Whether everything that it points to was found.
-    pub fn supplement(&self, contents: &mut Contents) -> bool {
+    fn supplement(&self, contents: &mut Contents) -> bool {
         let Definitions { schemas, channels } = &mut contents.definitions;
         for (id, said) in &self.definitions.schemas {
             let found = schemas.entry(*id).or_insert_with(|| said.clone());

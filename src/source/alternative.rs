@@ -76,6 +76,30 @@ pub fn bind_role<A: Alternative>(
     }
 }
 
+/// Those alternatives that are meant for a type of message.
+///
+/// # Errors
+/// All are meant for others.
+pub fn meant_for<'p, A: Alternative>(
+    schema_name: &str,
+    alternatives: impl Iterator<Item = &'p A>,
+) -> Result<Vec<&'p A>, Unresolved> {
+    let plain = |name: &str| name.replace("/msg/", "/");
+    let is_meant = |place: &Place| {
+        let schemas = &place.schemas;
+        schemas.is_empty() || (schemas.iter()).any(|wanted| plain(wanted) == plain(schema_name))
+    };
+    let (fitting, others): (Vec<&A>, Vec<&A>) =
+        alternatives.partition(|source| is_meant(source.place()));
+    match others.first() {
+        Some(other) if fitting.is_empty() => Err(Unresolved::OtherType {
+            name: schema_name.to_owned(),
+            wanted: other.place().schemas.clone(),
+        }),
+        _ => Ok(fitting),
+    }
+}
+
 fn bind_reading<A: Alternative>(
     binder: &mut Binder,
     profile: &Profile,

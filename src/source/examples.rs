@@ -10,21 +10,31 @@ use serde_json::Value;
 use crate::{error::Error, log::Log};
 
 /// How many messages of a channel are examples at most.
-const MOST: usize = 10;
+pub const MOST: usize = 10;
 
-/// The first messages of every JSON channel, read from the log when first asked for.
+/// The first messages of JSON channels.
 #[derive(Debug)]
-pub struct Examples<'a> {
-    log: &'a Log,
-    messages: OnceCell<BTreeMap<u16, Vec<Value>>>,
+pub enum Examples<'a> {
+    /// Of every one of a log, read from there when first asked for.
+    OfLog {
+        log: &'a Log,
+        messages: OnceCell<BTreeMap<u16, Vec<Value>>>,
+    },
+    /// Of one channel, whichever is asked for.
+    Given(Vec<Value>),
 }
 
 impl<'a> Examples<'a> {
     pub fn new(log: &'a Log) -> Self {
-        Self {
+        Self::OfLog {
             log,
             messages: OnceCell::new(),
         }
+    }
+
+    /// Of the one channel that has these messages.
+    pub fn given(payloads: &[Vec<u8>]) -> Self {
+        Self::Given(parse(payloads))
     }
 
     /// The first messages of a channel, of those that are JSON.
@@ -32,29 +42,34 @@ impl<'a> Examples<'a> {
     /// # Errors
     /// The log cannot be read.
     pub fn of(&self, channel_id: u16) -> Result<&[Value], Error> {
-        let messages = match self.messages.get() {
+        let (log, messages) = match self {
+            Self::OfLog { log, messages } => (log, messages),
+            Self::Given(messages) => return Ok(messages),
+        };
+        let messages = match messages.get() {
             Some(messages) => messages,
             None => {
-                let read = self.read()?;
-                self.messages.get_or_init(|| read)
+                let read = read(log)?;
+                messages.get_or_init(|| read)
             }
         };
         Ok(messages.get(&channel_id).map_or(&[], Vec::as_slice))
     }
+}
 
-    fn read(&self) -> Result<BTreeMap<u16, Vec<Value>>, Error> {
-        let channels = self.log.contents.definitions.channels.values();
-        let json: BTreeSet<u16> = channels
-            .filter(|channel| channel.record.message_encoding == "json")
-            .map(|channel| channel.record.id)
-            .collect();
-        let payloads = self.log.first_payloads(&json, MOST)?;
-        let parse = |payloads: Vec<Vec<u8>>| {
-            let values = payloads.iter().map(|json| serde_json::from_slice(json));
-            values.filter_map(Result::ok).collect()
-        };
-        Ok((payloads.into_iter())
-            .map(|(channel_id, payloads)| (channel_id, parse(payloads)))
-            .collect())
-    }
+fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, Error> {
+    let channels = log.contents.definitions.channels.values();
+    let json: BTreeSet<u16> = channels
+        .filter(|channel| channel.record.message_encoding == "json")
+        .map(|channel| channel.record.id)
+        .collect();
+    let payloads = log.first_payloads(&json, MOST)?;
+    Ok((payloads.into_iter())
+        .map(|(channel_id, payloads)| (channel_id, parse(&payloads)))
+        .collect())
+}
+
+fn parse(payloads: &[Vec<u8>]) -> Vec<Value> {
+    let values = payloads.iter().map(|json| serde_json::from_slice(json));
+    values.filter_map(Result::ok).collect()
 }

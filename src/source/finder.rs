@@ -8,7 +8,7 @@ use mcap::records::Channel;
 
 use super::{
     RoleSource,
-    alternative::{Alternative, bind_role},
+    alternative::{Alternative, bind_role, meant_for},
     binder::Binder,
     binding::Role,
     channel::ChannelSource,
@@ -366,20 +366,7 @@ impl<'a> Finder<'a> {
     ) -> Result<Vec<&'p A>, Unresolved> {
         let schema = self.log.contents.schema_of(channel);
         let name = schema.map_or("", |schema| schema.name.as_str());
-        let plain = |name: &str| name.replace("/msg/", "/");
-        let is_of_type = |place: &Place| {
-            let schemas = &place.schemas;
-            schemas.is_empty() || schemas.iter().any(|wanted| plain(wanted) == plain(name))
-        };
-        let (fitting, others): (Vec<&A>, Vec<&A>) =
-            alternatives.partition(|source| is_of_type(source.place()));
-        match others.first() {
-            Some(other) if fitting.is_empty() => Err(Unresolved::OtherType {
-                name: name.to_owned(),
-                wanted: other.place().schemas.clone(),
-            }),
-            _ => Ok(fitting),
-        }
+        meant_for(name, alternatives)
     }
 
     fn bind_into<A: Alternative>(
@@ -453,11 +440,13 @@ impl<'a> Finder<'a> {
     }
 
     fn schema(&self, channel: &Channel) -> Result<Schema<'a>, Unresolved> {
-        Schema::of(self.log, self.examples, channel)
+        let schema = self.log.contents.schema_of(channel);
+        Schema::of(channel, schema, self.examples)
     }
 }
 
-fn is_within(topic: &str, namespace: &str) -> bool {
+/// Whether a topic is in a namespace.
+pub fn is_within(topic: &str, namespace: &str) -> bool {
     (topic.strip_prefix(namespace))
         .is_some_and(|rest| namespace.is_empty() || rest.starts_with('/'))
 }

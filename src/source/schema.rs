@@ -10,7 +10,7 @@ use super::{
     protobuf, ros,
     unresolved::Unresolved,
 };
-use crate::log::Log;
+use crate::log::contents;
 
 /// What tells where the fields of a channel's messages lie.
 #[derive(Debug)]
@@ -29,13 +29,12 @@ pub enum Decoder {
 }
 
 impl<'a> Schema<'a> {
-    /// Of a channel.
+    /// Of a channel, which names this schema.
     pub fn of(
-        log: &'a Log,
-        examples: &'a Examples<'a>,
         channel: &Channel,
+        schema: Option<&contents::Schema>,
+        examples: &'a Examples<'a>,
     ) -> Result<Self, Unresolved> {
-        let schema = log.contents.schema_of(channel);
         let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
         match (channel.message_encoding.as_str(), schema_encoding, schema) {
             ("protobuf", "protobuf", Some(schema)) => {

@@ -78,6 +78,19 @@ impl Pattern {
             .map(|(namespace, _)| namespace)
     }
 
+    /// Whether this may be the topic in any namespace: not only in those that [`namespace_of`](Self::namespace_of)
+    /// tells, but in such, too, as other topics tell.
+    pub fn may_be_match(&self, topic: &str) -> bool {
+        let Some(after) = &self.after else {
+            return topic.ends_with(&self.before);
+        };
+        let Some(digits) = topic.strip_suffix(after.as_str()) else {
+            return false;
+        };
+        let name = digits.trim_end_matches(|last: char| last.is_ascii_digit());
+        (name.len()..digits.len()).any(|end| digits[..end].ends_with(&self.before))
+    }
+
     /// The number in a topic that matches, 0 where the pattern has none.
     fn rank(&self, topic: &str) -> Option<u64> {
         match self.vehicle {

@@ -11,7 +11,7 @@ use flightcam::{
     },
 };
 
-use super::{folder::*, topics::*};
+use super::{folder::*, piping, topics::*};
 
 /// A request, told as on the command line.
 pub fn request(arguments: &[(&str, &str)]) -> Request {
@@ -33,7 +33,10 @@ pub fn request(arguments: &[(&str, &str)]) -> Request {
     request
 }
 
+/// What is selected of a log in a file, which must be the same if the log comes through a pipe.
+#[track_caller]
 pub fn select_with(topics: &[Topic], request: &Request) -> Result<Source, Error> {
+    piping::check(&log(topics), request, 4096);
     let folder = Folder::with(LOG, log(topics));
     Source::select(&Log::open(&folder.path(LOG))?, request)
 }

@@ -1,0 +1,130 @@
+//! A log that is read once, from front to back, and passed on on the way: what a pipe holds.
+//!
+//! What may be needed of it again is kept in temporary files: the messages that are followed, and of all other
+//! bytes only those that appending takes. Memory holds one record at a time, and of a long one only a piece.
+
+mod followed;
+mod kept;
+mod pipe;
+
+use std::{
+    io::{Read, Write},
+    path::Path,
+};
+
+use mcap::records::{Channel, op};
+
+use super::{
+    Log, Stop,
+    chunk::MAX_RECORD,
+    contents::Definitions,
+    record::RawMessage,
+    scan::{Bodies, Collector},
+    summary::{DATA_END_LENGTH, Ending},
+};
+use crate::error::Error;
+use followed::Followed;
+use pipe::Pipe;
+
+/// A stream, and what errors call it.
+#[derive(Debug)]
+pub struct Named<'a, T> {
+    /// Its name.
+    pub name: &'a Path,
+    /// The stream itself.
+    pub stream: T,
+}
+
+/// A message that passes by.
+#[derive(Debug, Clone, Copy)]
+pub struct Passing<'a> {
+    /// The message.
+    pub message: &'a RawMessage<'a>,
+    /// Its channel.
+    pub channel: &'a Channel,
+    /// Which of the log's segments it lies in, counted from 0.
+    pub segment: usize,
+    /// What the log has defined so far.
+    pub definitions: &'a Definitions,
+}
+
+/// A log that was read from a stream and passed on, up to the end of its data section.
+#[derive(Debug)]
+pub struct Streamed {
+    /// The log as it was. Of its bytes only those can be read, at their places, that appending takes: the first
+    /// and the last 64 KiB before the end of the data section, everything behind that, Metadata records, and
+    /// chunks that are not indexed.
+    pub original: Log,
+    /// The messages that were followed, as a log of their own. All else that it tells is told of the original:
+    /// which channels there are, and how many messages each segment has when, so that telemetry is looked for in
+    /// it as in the original.
+    pub telemetry: Log,
+}
+
+/// Passes a log on while it comes, record by record, up to the end of its data section: a DataEnd record or a
+/// footer, or a record that breaks off. What is there and behind it is held back. Of the messages those are
+/// followed that `follow` says, and those of channels that were not defined before them.
+///
+/// # Errors
+/// The input cannot be read, is not an MCAP, or is damaged; the output cannot be written, perhaps because its
+/// reader has gone away; or there is no room for temporary files.
+pub fn pass_through(
+    input: Named<impl Read>,
+    output: Named<impl Write>,
+    follow: impl FnMut(Passing) -> bool,
+) -> Result<Streamed, Error> {
+    let name = input.name;
+    let mut pipe = Pipe::new(input, output)?;
+    let header = pipe.pass_on_header()?;
+    let mut collector = Collector::default();
+    let mut followed = Followed::new(follow)?;
+    let stop = loop {
+        let offset = pipe.position();
+        let Some(frame) = pipe.read_frame()? else {
+            break Stop::Torn { offset };
+        };
+        if frame.opcode != op::MESSAGE_INDEX
+            && let Some(is_indexed) = collector.close_chunk()
+        {
+            pipe.settle_chunk(is_indexed)?;
+        }
+        if !pipe.read_body(&frame)? {
+            break Stop::Torn { offset };
+        }
+        let mut body = pipe.body(&frame)?;
+        match frame.opcode {
+            op::DATA_END => {
+                break Stop::data_end(offset, body.body(&frame, DATA_END_LENGTH as u64)?);
+            }
+            op::FOOTER => break Stop::Footer { offset },
+            _ => {}
+        }
+
+        let segment = collector.segments();
+        collector.record_and_visit(&mut body, &frame, |definitions, message, record| {
+            followed.consider(definitions, segment, message, record);
+        })?;
+        // Nobody's telemetry has longer messages.
+        if frame.opcode == op::MESSAGE && frame.length <= MAX_RECORD {
+            let record = body.body(&frame, u64::MAX)?;
+            if let Some(message) = RawMessage::parse(record) {
+                let definitions = &collector.contents.definitions;
+                let segment = collector.segments() - 1;
+                followed.consider(definitions, segment, &message, record);
+            }
+        }
+        followed.write_to(collector.segments())?;
+        pipe.pass_on(&frame)?;
+    };
+    if collector.close_chunk() == Some(false) {
+        pipe.settle_chunk(false)?;
+    }
+    let data_end = pipe.position();
+    let file = pipe.hold_back_the_rest()?;
+    let ending = Ending::read(&file, data_end)?;
+    let original = Log::read_to_end(file, header, ending, stop, collector)?;
+    Ok(Streamed {
+        telemetry: followed.finish(name, &original)?,
+        original,
+    })
+}

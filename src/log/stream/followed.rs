@@ -1,0 +1,108 @@
+//! The messages of a passing log that are followed.
+
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+    path::Path,
+};
+
+use mcap::records::op;
+
+use super::{Passing, kept::temporary};
+use crate::{
+    error::Error,
+    log::{
+        Log,
+        contents::{Contents, Definitions, Segment, SegmentKind},
+        file::LogFile,
+        record::{RawMessage, push_record},
+    },
+};
+
+/// Writes down the messages that are followed.
+pub struct Followed<F> {
+    follow: F,
+    file: BufWriter<File>,
+    /// Of the record at hand.
+    messages: Vec<u8>,
+    /// How many bytes there are of each of the log's segments.
+    lengths: Vec<u64>,
+}
+
+impl<F: FnMut(Passing) -> bool> Followed<F> {
+    /// Those that `follow` says.
+    pub fn new(follow: F) -> Result<Self, Error> {
+        Ok(Self {
+            follow,
+            file: BufWriter::new(tempfile::tempfile().map_err(temporary)?),
+            messages: Vec::new(),
+            lengths: Vec::new(),
+        })
+    }
+
+    /// Takes a message, given with the body of its record, if it is to be followed.
+    pub fn consider(
+        &mut self,
+        definitions: &Definitions,
+        segment: usize,
+        message: &RawMessage,
+        record: &[u8],
+    ) {
+        let channel = definitions.channels.get(&message.channel_id);
+        let is_followed = channel.is_none_or(|channel| {
+            (self.follow)(Passing {
+                message,
+                channel: &channel.record,
+                segment,
+                definitions,
+            })
+        });
+        if is_followed {
+            push_record(&mut self.messages, op::MESSAGE, record);
+        }
+    }
+
+    /// Writes down the messages that were taken, which lie in the last of so many segments.
+    pub fn write_to(&mut self, segments: usize) -> Result<(), Error> {
+        self.lengths.resize(segments, 0);
+        if let Some(length) = self.lengths.last_mut() {
+            *length += self.messages.len() as u64;
+        }
+        self.file.write_all(&self.messages).map_err(temporary)?;
+        self.messages.clear();
+        Ok(())
+    }
+
+    /// The messages as a log of their own.
+    pub fn finish(self, name: &Path, original: &Log) -> Result<Log, Error> {
+        let file = self.file.into_inner();
+        let file = file.map_err(|error| temporary(error.into_error()))?;
+        let file = LogFile::from_file(name, file)?;
+        let mut offset = 0;
+        let segments = original.contents.segments.iter().zip(self.lengths);
+        let segments = segments.map(|(segment, length)| {
+            let segment = Segment {
+                offset,
+                length,
+                kind: SegmentKind::Loose,
+                ..segment.clone()
+            };
+            offset += length;
+            segment
+        });
+        Ok(Log {
+            header: original.header.clone(),
+            contents: Contents {
+                definitions: original.contents.definitions.clone(),
+                segments: segments.collect(),
+                statistics: original.contents.statistics.clone(),
+                ..Contents::default()
+            },
+            data_end: file.len(),
+            data_crc: None,
+            scanned: None,
+            breaks_off_at: None,
+            file,
+        })
+    }
+}

@@ -1,0 +1,89 @@
+//! The bytes of a passing log that may be needed again.
+
+use std::{
+    fs::File,
+    io::{self, Seek, SeekFrom, Write},
+    path::Path,
+};
+
+use crate::{error::Error, log::file::LogFile};
+
+/// How much is kept of either end of what was passed on.
+const ENDS: usize = 64 * 1024;
+
+/// Bytes of a log at their places in a file that has holes where all the others would be.
+pub struct Kept {
+    file: File,
+    /// The first bytes that were passed on.
+    head: Vec<u8>,
+    /// The last bytes that were passed on, and some before them.
+    foot: Vec<u8>,
+}
+
+impl Kept {
+    pub fn new() -> Result<Self, Error> {
+        Ok(Self {
+            file: tempfile::tempfile().map_err(temporary)?,
+            head: Vec::new(),
+            foot: Vec::new(),
+        })
+    }
+
+    /// Keeps bytes that lie at an offset.
+    pub fn write(&mut self, offset: u64, bytes: &[u8]) -> Result<(), Error> {
+        let sought = self.file.seek(SeekFrom::Start(offset));
+        sought
+            .and_then(|_| self.file.write_all(bytes))
+            .map_err(temporary)
+    }
+
+    /// Forgets all that was written from an offset on.
+    pub fn forget(&mut self, from: u64) -> Result<(), Error> {
+        self.file.set_len(from).map_err(temporary)
+    }
+
+    /// Notes bytes that were passed on, behind those before.
+    pub fn pass(&mut self, bytes: &[u8]) {
+        let room = ENDS - self.head.len();
+        self.head.extend_from_slice(&bytes[..bytes.len().min(room)]);
+        let last = &bytes[bytes.len().saturating_sub(ENDS)..];
+        if last.len() == ENDS {
+            self.foot.clear();
+        }
+        self.foot.extend_from_slice(last);
+        // Not each time, because moving the rest to the front takes longer than most records.
+        if self.foot.len() > 2 * ENDS {
+            self.foot.drain(..self.foot.len() - ENDS);
+        }
+    }
+
+    /// What is kept so far, for reading.
+    pub fn open(&self, name: &Path) -> Result<LogFile, Error> {
+        LogFile::from_file(name, self.file.try_clone().map_err(temporary)?)
+    }
+
+    /// Where what is kept ends.
+    pub fn end(&self) -> Result<u64, Error> {
+        Ok(self.file.metadata().map_err(temporary)?.len())
+    }
+
+    /// All that was kept of a log whose data section ends there.
+    pub fn finish(mut self, name: &Path, data_end: u64) -> Result<LogFile, Error> {
+        let (head, foot) = (
+            std::mem::take(&mut self.head),
+            std::mem::take(&mut self.foot),
+        );
+        self.write(0, &head)?;
+        self.write(data_end - foot.len() as u64, &foot)?;
+        LogFile::from_file(name, self.file)
+    }
+}
+
+/// The error for a temporary file that cannot be written.
+pub fn temporary(source: io::Error) -> Error {
+    Error::io(
+        "cannot write a temporary file there",
+        &std::env::temp_dir(),
+        source,
+    )
+}

@@ -1,0 +1,272 @@
+//! Records as they come and are passed on.
+
+use std::{
+    io::{self, BufReader, BufWriter, Read, Write},
+    path::Path,
+};
+
+use mcap::records::{Header, op};
+
+use super::{Named, kept::Kept};
+use crate::{
+    error::Error,
+    log::{
+        NO_HEADER, check_magic,
+        chunk::MAX_RECORD,
+        file::LogFile,
+        record::{FRAME_LENGTH, parse, split_frame},
+        scan::{Bodies, Frame},
+    },
+};
+
+/// A longer record is not held in memory while it comes, but in a file.
+const LONG: u64 = 16 * 1024 * 1024;
+
+/// How much of a long record is in memory at once.
+const PIECE: u64 = 1024 * 1024;
+
+/// As much as a pipe of the system holds.
+const BUFFER: usize = 64 * 1024;
+
+/// A log between its input and its output.
+pub struct Pipe<'a, R: Read, W: Write> {
+    input: Named<'a, BufReader<R>>,
+    output: Named<'a, BufWriter<W>>,
+    /// Where the record at hand starts; all before it was passed on.
+    position: u64,
+    /// The record at hand, so far as it has come; of a long one only the frame.
+    record: Vec<u8>,
+    /// The chunk that message indexes may still follow, and its record unless that is long.
+    chunk: Option<Frame>,
+    chunk_record: Vec<u8>,
+    kept: Kept,
+}
+
+impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
+    pub fn new(input: Named<'a, R>, output: Named<'a, W>) -> Result<Self, Error> {
+        Ok(Self {
+            input: Named {
+                name: input.name,
+                stream: BufReader::with_capacity(BUFFER, input.stream),
+            },
+            output: Named {
+                name: output.name,
+                stream: BufWriter::with_capacity(BUFFER, output.stream),
+            },
+            position: 0,
+            record: Vec::new(),
+            chunk: None,
+            chunk_record: Vec::new(),
+            kept: Kept::new()?,
+        })
+    }
+
+    /// Where the record at hand starts, or the next will.
+    pub fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// Reads, checks and passes on what every log starts with.
+    pub fn pass_on_header(&mut self) -> Result<Header, Error> {
+        let magic_length = mcap::MAGIC.len() as u64;
+        self.read(magic_length)?;
+        check_magic(self.input.name, &self.record)?;
+        self.position = magic_length;
+
+        let no_header = || Error::corrupt(self.input.name, magic_length, NO_HEADER);
+        let frame = self.read_frame()?;
+        let frame = frame.filter(|frame| frame.opcode == op::HEADER && !is_long(frame));
+        let frame = frame.ok_or_else(no_header)?;
+        let is_whole = self.read_body(&frame)?;
+        let header = parse(&self.record[FRAME_LENGTH..]);
+        let header = header.ok().filter(|_| is_whole).ok_or_else(no_header)?;
+        self.pass(mcap::MAGIC)?;
+        self.pass_on(&frame)?;
+        Ok(header)
+    }
+
+    /// Reads what the next record starts with; `None` where no record does.
+    pub fn read_frame(&mut self) -> Result<Option<Frame>, Error> {
+        self.record.clear();
+        self.read(FRAME_LENGTH as u64)?;
+        let frame = split_frame(&self.record).filter(|&(opcode, _)| opcode != 0);
+        Ok(frame.map(|(opcode, length)| Frame {
+            opcode,
+            offset: self.position,
+            length,
+        }))
+    }
+
+    /// Reads the rest of the record at hand; whether all of it came.
+    pub fn read_body(&mut self, frame: &Frame) -> Result<bool, Error> {
+        if !is_long(frame) {
+            return self.read(frame.length);
+        }
+        self.kept.write(frame.offset, &self.record)?;
+        let copied = self.hold_back(frame.body_offset(), frame.length)?;
+        Ok(copied == frame.length)
+    }
+
+    /// The body of the record at hand, which is whole.
+    pub fn body(&self, frame: &Frame) -> Result<Body<'_>, Error> {
+        let name = self.input.name;
+        Ok(match is_long(frame) {
+            false => Body::InMemory {
+                name,
+                bytes: &self.record[FRAME_LENGTH..],
+            },
+            true => Body::InFile {
+                file: self.kept.open(name)?,
+                buffer: Vec::new(),
+            },
+        })
+    }
+
+    /// Passes on the record at hand, which is whole.
+    pub fn pass_on(&mut self, frame: &Frame) -> Result<(), Error> {
+        if is_long(frame) {
+            let file = self.kept.open(self.input.name)?;
+            let mut offset = frame.offset;
+            while offset < frame.end() {
+                let length = PIECE.min(frame.end() - offset);
+                file.read_into(&mut self.record, offset, length)?;
+                self.pass_record()?;
+                offset += length;
+            }
+        } else {
+            self.pass_record()?;
+        }
+        self.position = frame.end();
+        match (frame.opcode, is_long(frame)) {
+            (op::CHUNK, _) => {
+                self.chunk = Some(*frame);
+                std::mem::swap(&mut self.record, &mut self.chunk_record);
+                Ok(())
+            }
+            (op::METADATA, true) => Ok(()),
+            (op::METADATA, false) => self.kept.write(frame.offset, &self.record),
+            (_, true) => self.kept.forget(frame.offset),
+            (_, false) => Ok(()),
+        }
+    }
+
+    /// Keeps the latest chunk if it is not indexed, else forgets it. No more message indexes follow it, and of what
+    /// does nothing was kept yet.
+    pub fn settle_chunk(&mut self, is_indexed: bool) -> Result<(), Error> {
+        let Some(chunk) = self.chunk.take() else {
+            return Ok(());
+        };
+        match (is_indexed, is_long(&chunk)) {
+            (true, true) => self.kept.forget(chunk.offset),
+            (false, false) => self.kept.write(chunk.offset, &self.chunk_record),
+            (true, false) | (false, true) => Ok(()),
+        }
+    }
+
+    /// Holds back the record at hand, so far as it has come, and all that still comes. Gives all that was kept.
+    pub fn hold_back_the_rest(mut self) -> Result<LogFile, Error> {
+        flush(&mut self.output)?;
+        self.kept.write(self.position, &self.record)?;
+        let held_back = self.position + self.record.len() as u64;
+        // A long record that breaks off is there already.
+        let held_back = self.kept.end()?.max(held_back);
+        self.hold_back(held_back, u64::MAX)?;
+        self.kept.finish(self.input.name, self.position)
+    }
+
+    /// Reads so many bytes more of the record at hand; whether they came.
+    fn read(&mut self, length: u64) -> Result<bool, Error> {
+        read_up_to(&mut self.input, &mut self.output, &mut self.record, length)
+    }
+
+    /// Keeps at most so many bytes of the input, which lie at an offset; how many there were.
+    fn hold_back(&mut self, offset: u64, most: u64) -> Result<u64, Error> {
+        let mut held_back = 0;
+        let mut piece = Vec::new();
+        loop {
+            piece.clear();
+            let wanted = PIECE.min(most - held_back);
+            let is_all = read_up_to(&mut self.input, &mut self.output, &mut piece, wanted)?;
+            self.kept.write(offset + held_back, &piece)?;
+            held_back += piece.len() as u64;
+            if !is_all || held_back == most {
+                return Ok(held_back);
+            }
+        }
+    }
+
+    /// Passes on what is in memory of the record at hand.
+    fn pass_record(&mut self) -> Result<(), Error> {
+        let record = std::mem::take(&mut self.record);
+        let passed = self.pass(&record);
+        self.record = record;
+        passed
+    }
+
+    fn pass(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let written = self.output.stream.write_all(bytes);
+        written.map_err(|source| cannot_write(self.output.name, source))?;
+        self.kept.pass(bytes);
+        Ok(())
+    }
+}
+
+/// The body of a whole record.
+pub enum Body<'a> {
+    InMemory { name: &'a Path, bytes: &'a [u8] },
+    InFile { file: LogFile, buffer: Vec<u8> },
+}
+
+impl Bodies for Body<'_> {
+    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error> {
+        let length = frame.length.min(most);
+        match self {
+            Self::InMemory { bytes, .. } => Ok(&bytes[..length as usize]),
+            Self::InFile { file, .. } if length > MAX_RECORD => {
+                let what =
+                    format!("the record there is {length} bytes long; at most 1 GiB is read");
+                Err(file.corrupt(frame.offset, what))
+            }
+            Self::InFile { file, buffer } => {
+                file.read_into(buffer, frame.body_offset(), length)?;
+                Ok(buffer)
+            }
+        }
+    }
+
+    fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error {
+        match self {
+            Self::InMemory { name, .. } => Error::corrupt(name, offset, what),
+            Self::InFile { file, .. } => file.corrupt(offset, what),
+        }
+    }
+}
+
+/// Reads so many bytes more; whether they came. What was passed on reaches the output before the input makes wait.
+fn read_up_to(
+    input: &mut Named<BufReader<impl Read>>,
+    output: &mut Named<BufWriter<impl Write>>,
+    bytes: &mut Vec<u8>,
+    length: u64,
+) -> Result<bool, Error> {
+    if (input.stream.buffer().len() as u64) < length {
+        flush(output)?;
+    }
+    let read = input.stream.by_ref().take(length).read_to_end(bytes);
+    let read = read.map_err(|source| Error::io("cannot read", input.name, source))?;
+    Ok(read as u64 == length)
+}
+
+fn flush(output: &mut Named<BufWriter<impl Write>>) -> Result<(), Error> {
+    let flushed = output.stream.flush();
+    flushed.map_err(|source| cannot_write(output.name, source))
+}
+
+fn cannot_write(name: &Path, source: io::Error) -> Error {
+    Error::io("cannot write", name, source)
+}
+
+/// Whether a record is held in a file.
+fn is_long(frame: &Frame) -> bool {
+    frame.length > LONG
+}

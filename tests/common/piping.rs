@@ -1,0 +1,195 @@
+//! Logs that come through a pipe, against the same logs in files.
+
+use std::{
+    fmt::Debug,
+    io::{self, Read},
+    path::Path,
+};
+
+use flightcam::{
+    Error,
+    log::{
+        Log, SegmentReader,
+        contents::{Contents, SegmentKind},
+        stream::{Named, Passing, Streamed, pass_through},
+    },
+    reader::Reader,
+    source::{Source, candidates::Candidates, request::Request},
+};
+use mcap::{WriteOptions, records::MessageHeader};
+
+use super::folder::*;
+
+/// A stream that gives at most so many bytes at a time.
+pub struct Pieces<'a> {
+    pub rest: &'a [u8],
+    pub most: usize,
+}
+
+impl Read for Pieces<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let most = self.most.min(buffer.len());
+        self.rest.take(most as u64).read(buffer).inspect(|&read| {
+            self.rest = &self.rest[read..];
+        })
+    }
+}
+
+/// What is passed on of a stream, and what is known of it then.
+pub fn pipe(
+    name: &Path,
+    input: impl Read,
+    follow: impl FnMut(Passing) -> bool,
+) -> (Vec<u8>, Result<Streamed, Error>) {
+    let mut output = Vec::new();
+    let streamed = pass_through(
+        Named {
+            name,
+            stream: input,
+        },
+        Named {
+            name: Path::new("the output"),
+            stream: &mut output,
+        },
+        follow,
+    );
+    (output, streamed)
+}
+
+/// What comes out of a log's telemetry: what is selected, and every sample of it, in words.
+pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), String> {
+    let source = Source::compare(log, request).map_err(|error| error.to_string())?;
+    let selected = format!(
+        "{:?} {:?} {:#?} {:#?} {:?}",
+        source.profile.name,
+        source.namespace,
+        source.roles,
+        source.runners_up,
+        source.channel_ids(),
+    );
+    let mut reader = Reader::new(log, source);
+    let samples = reader.by_ref().map(|sample| format!("{sample:?}"));
+    let mut samples: Vec<String> = samples.collect();
+    samples.push(format!("{:?}", reader.finish().1));
+    Ok((selected, samples))
+}
+
+/// Checks that a log that comes in pieces of at most so many bytes is passed on whole, and that it is known then
+/// as if it were opened as a file. Gives what is known.
+#[track_caller]
+pub fn check(log: &[u8], request: &Request, most: usize) -> Option<Streamed> {
+    let folder = Folder::with(LOG, log);
+    let path = folder.path(LOG);
+    let mut candidates = Candidates::new(request);
+    let input = Pieces { rest: log, most };
+    let (output, streamed) = pipe(&path, input, |passing| candidates.include(passing));
+    assert!(log.starts_with(&output), "nothing else is passed on");
+    match (Log::open(&path), streamed) {
+        (Ok(opened), Ok(streamed)) => {
+            assert_eq!(output.len() as u64, streamed.original.data_end);
+            check_original(log, &streamed.original, &opened);
+            let (told, samples) = (
+                telemetry(&streamed.telemetry, request),
+                telemetry(&opened, request),
+            );
+            assert!(told == samples, "streamed: {told:#?}\nopened: {samples:#?}");
+            Some(streamed)
+        }
+        (Err(opened), Err(streamed)) => {
+            assert_eq!(streamed.to_string(), opened.to_string());
+            None
+        }
+        (opened, streamed) => panic!("opened: {opened:#?}\nstreamed: {streamed:#?}"),
+    }
+}
+
+#[track_caller]
+fn check_original(log: &[u8], streamed: &Log, opened: &Log) {
+    same(&streamed.header, &opened.header);
+    same(&streamed.data_end, &opened.data_end);
+    same(&streamed.data_crc, &opened.data_crc);
+    same(&streamed.scanned, &opened.scanned);
+    same(&streamed.breaks_off_at, &opened.breaks_off_at);
+    same_contents(&streamed.contents, &opened.contents);
+
+    let data_end = streamed.data_end as usize;
+    let ends = data_end.min(64 * 1024);
+    for kept in [0..ends, data_end - ends..data_end, data_end..log.len()] {
+        let length = kept.len() as u64;
+        let read = streamed.file.read(kept.start as u64, length);
+        assert!(read.expect("the end is kept") == log[kept]);
+    }
+    assert_eq!(streamed.file.len(), log.len() as u64);
+    for metadata in &opened.contents.metadata {
+        let name = &metadata.record.name;
+        let kept = streamed.metadata(name).expect("metadata records are kept");
+        assert_eq!(kept, opened.metadata(name).expect("readable"));
+    }
+    let (mut kept, mut all) = (SegmentReader::new(streamed), SegmentReader::new(opened));
+    for segment in &opened.contents.segments {
+        if let SegmentKind::Chunk {
+            is_indexed: false, ..
+        } = segment.kind
+        {
+            let indexes = kept.message_indexes(segment).expect("the chunk is kept");
+            assert_eq!(indexes, all.message_indexes(segment).expect("readable"));
+        }
+    }
+}
+
+#[track_caller]
+fn same_contents(streamed: &Contents, opened: &Contents) {
+    same(&streamed.definitions, &opened.definitions);
+    same(&streamed.segments, &opened.segments);
+    same(&streamed.attachments, &opened.attachments);
+    same(&streamed.metadata, &opened.metadata);
+    same(&streamed.statistics, &opened.statistics);
+    same(
+        &streamed.mentioned_channel_ids,
+        &opened.mentioned_channel_ids,
+    );
+    same(&streamed.unknown_summary, &opened.unknown_summary);
+}
+
+#[track_caller]
+fn same(streamed: &impl Debug, opened: &impl Debug) {
+    let (streamed, opened) = (format!("{streamed:#?}"), format!("{opened:#?}"));
+    assert!(streamed == opened, "streamed: {streamed}\nopened: {opened}");
+}
+
+/// The messages of a log, written otherwise.
+pub fn rewritten(log: &[u8], options: WriteOptions) -> Vec<u8> {
+    let mut writer = options
+        .create(io::Cursor::new(Vec::new()))
+        .expect("a writer");
+    let mut schemas = std::collections::BTreeMap::new();
+    let mut channels = std::collections::BTreeMap::new();
+    for message in mcap::MessageStream::new(log).expect("a log") {
+        let message = message.expect("a message");
+        let channel = &message.channel;
+        let channel_id = *channels.entry(channel.id).or_insert_with(|| {
+            let schema_id = channel.schema.as_ref().map_or(0, |schema| {
+                *schemas.entry(schema.id).or_insert_with(|| {
+                    writer
+                        .add_schema(&schema.name, &schema.encoding, &schema.data)
+                        .expect("a schema")
+                })
+            });
+            let (topic, encoding) = (&channel.topic, &channel.message_encoding);
+            writer
+                .add_channel(schema_id, topic, encoding, &channel.metadata)
+                .expect("a channel")
+        });
+        let header = MessageHeader {
+            channel_id,
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        };
+        writer
+            .write_to_known_channel(&header, &message.data)
+            .expect("a message");
+    }
+    writer.finish().expect("the log is finished");
+    writer.into_inner().into_inner()
+}
