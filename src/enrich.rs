@@ -3,6 +3,7 @@
 mod copying;
 mod derivation;
 mod output;
+mod passing;
 
 use std::{
     io::Write,
@@ -14,6 +15,7 @@ use crate::{
     log::{
         Log,
         file::{Access, LogFile},
+        stream::Named,
     },
     options::Options,
     progress::{Watch, Watcher},
@@ -21,6 +23,7 @@ use crate::{
     writer::{destination::Destination, original::Original},
 };
 use derivation::Derivation;
+pub use passing::{enrich_stream, enrich_stream_to_file};
 
 /// `NAME.enriched.mcap` beside the input.
 pub fn default_output(input: &Path) -> PathBuf {
@@ -60,19 +63,18 @@ pub fn enrich_in_place(log: &Path, options: &Options, watch: Watch) -> Result<Re
     output::in_place(&original.log, derivation, &watcher)
 }
 
-/// Writes the log `input` with the camera's channels to a stream, which errors call `name`.
+/// Writes the log `input` with the camera's channels to a stream.
 ///
 /// # Errors
 /// What the stream has got by then is not whole. The error says what was wrong and what to do about it.
 pub fn enrich_to(
     input: &Path,
-    output: impl Write + Send,
-    name: &Path,
+    output: Named<impl Write + Send>,
     options: &Options,
     watch: Watch,
 ) -> Result<Report, Error> {
     let original = Original::of(Log::open(input)?)?;
     let derivation = Derivation::new(&original, &original.log, options)?;
-    let watcher = Watcher::new(watch, name.into(), "what was written is not whole");
-    output::to_stream(&original.log, output, name, derivation, &watcher)
+    let watcher = Watcher::new(watch, output.name.into(), "what was written is not whole");
+    output::to_stream(&original.log, output, derivation, &watcher)
 }

@@ -193,6 +193,14 @@ pub enum Error {
         rollback: Box<Error>,
     },
 
+    #[error(
+        "--layout interleaved needs the log as a file: from a stream it is known too late what follows from it"
+    )]
+    InterleavedStream,
+
+    #[error("{cause}\nthe log was passed on as it came, without new channels")]
+    PassedOn { cause: Box<Error> },
+
     #[error("{}: interrupted; {left}", path.display())]
     Interrupted {
         path: PathBuf,
@@ -249,6 +257,8 @@ pub enum Lost {
     NotEnriched,
     #[error("it was written with --layout interleaved, which keeps no way back")]
     Interleaved,
+    #[error("it came through a pipe, which takes nothing back")]
+    PassedOn,
     #[error("another program has rewritten it since, or it is damaged")]
     Rewritten,
 }
@@ -287,14 +297,16 @@ impl Error {
 
     /// Whether what was asked for was wrong, whatever the log holds.
     pub fn is_usage(&self) -> bool {
-        matches!(
-            self,
+        match self {
+            Self::PassedOn { cause } => cause.is_usage(),
             Self::UnknownProfile { .. }
                 | Self::BadProfile { .. }
                 | Self::OutputIsInput { .. }
                 | Self::NoCamera
                 | Self::TiltedMount
-                | Self::GimbalAndMount
-        )
+            | Self::GimbalAndMount
+            | Self::InterleavedStream => true,
+            _ => false,
+        }
     }
 }

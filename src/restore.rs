@@ -1,9 +1,6 @@
 //! Undoing: an enriched log → the log that it was made from, byte for byte.
 
-use std::{
-    io::{self, Write},
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -16,11 +13,8 @@ use crate::{
     },
     progress::{Watch, Watcher},
     report::lossy,
-    writer::{copy::copy_data, destination::Destination, original::Original},
+    writer::{copy::{copy_data, copy_end}, destination::Destination, original::Original},
 };
-
-/// How much of the original's end is in memory.
-const PIECE: u64 = 1024 * 1024;
 
 /// What was restored. As JSON it is what scripts read, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -71,11 +65,11 @@ pub fn restore_to(
     let watcher = Watcher::new(watch, output.into(), "nothing was written");
     let failed = |source| destination.write_error(source);
     let metadata = original.file.handle().metadata().map_err(failed)?;
-    let pending = destination.create(metadata.permissions())?;
+    let pending = destination.create(Some(metadata.permissions()))?;
     let mut file = pending.file();
     let copied = |done| watcher.bytes(done, original.file.len());
     copy_data(&original, &mut file, failed, copied)?;
-    write_end(&original, file, failed, &watcher)?;
+    copy_end(&original, &mut file, failed, copied)?;
     pending.commit()?;
     Ok(restored)
 }
@@ -104,30 +98,11 @@ fn describe(original: &Original, output: &Path) -> Result<Restored, Error> {
 fn in_place(original: &Log, watcher: &Watcher) -> Result<(), Error> {
     let (file, start) = (&original.file, original.data_end);
     let failed = |source| Error::io("cannot write the log", file.path(), source);
-    let end = WriteAt::new(file.handle(), start).map_err(failed)?;
+    let mut end = WriteAt::new(file.handle(), start).map_err(failed)?;
     let mut step = |step| watcher.step(step);
     let journal = Journal::begin(file, start, &mut step)?;
-    let changed = write_end(original, end, failed, watcher)
+    let written = |done| watcher.bytes(done, file.len());
+    let changed = copy_end(original, &mut end, failed, written)
         .and_then(|()| journal.commit(file.len(), &mut step));
     journal.conclude(changed)
-}
-
-/// Writes what the original has from its data section's end on.
-fn write_end(
-    original: &Log,
-    mut output: impl Write,
-    failed: impl Fn(io::Error) -> Error,
-    watcher: &Watcher,
-) -> Result<(), Error> {
-    let length = original.file.len();
-    let mut piece = Vec::new();
-    let mut position = original.data_end;
-    while position < length {
-        let step = PIECE.min(length - position);
-        original.file.read_into(&mut piece, position, step)?;
-        output.write_all(&piece).map_err(&failed)?;
-        position += step;
-        watcher.bytes(position, length)?;
-    }
-    Ok(())
 }

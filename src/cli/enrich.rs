@@ -1,11 +1,11 @@
 //! `flightcam enrich`: a log in, the same log with the camera's channels out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, error::ErrorKind};
 use flightcam::{
     Error, Options, enrich,
-    enrich::default_output,
+    enrich::{default_output, enrich_stream, enrich_stream_to_file},
     enrich_in_place, enrich_to,
     messages::{Encoding, EncodingChoice},
     transform::MaxGap,
@@ -172,16 +172,14 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let target = arguments.target();
     let mut bar = Bar::new(arguments.quiet || is_pipe(input) || matches!(target, Target::Stdout));
     let watch = &mut |progress| bar.update(progress);
-    let report = match &target {
-        Target::File(output) => enrich(input, output, &options, watch),
-        Target::InPlace => enrich_in_place(input, &options, watch),
-        Target::Stdout => enrich_to(
-            input,
-            pipe::stdout()?,
-            Path::new(pipe::NAME),
-            &options,
-            watch,
-        ),
+    let report = match (is_pipe(input), &target) {
+        (false, Target::File(output)) => enrich(input, output, &options, watch),
+        (_, Target::InPlace) => enrich_in_place(input, &options, watch),
+        (false, Target::Stdout) => enrich_to(input, pipe::stdout()?, &options, watch),
+        (true, Target::File(output)) => {
+            enrich_stream_to_file(pipe::stdin()?, output, &options, watch)
+        }
+        (true, Target::Stdout) => enrich_stream(pipe::stdin()?, pipe::stdout()?, &options, watch),
     };
     bar.clear();
     let report = report?;

@@ -6,10 +6,10 @@ use std::{
     path::Path,
 };
 
-use flightcam::Error;
+use flightcam::{Error, log::stream::Named};
 
 /// What stands for them on the command line.
-pub const NAME: &str = "-";
+const NAME: &str = "-";
 
 /// Whether a path stands for a pipe.
 pub fn is_pipe(path: &Path) -> bool {
@@ -22,20 +22,24 @@ pub fn stdout_is_terminal() -> bool {
 }
 
 /// Standard output without a buffer, so that the system can copy from a file to it by itself.
-pub fn stdout() -> Result<File, Error> {
-    duplicate(&io::stdout()).map_err(|source| failed("cannot write to standard output", source))
+pub fn stdout() -> Result<Named<'static, File>, Error> {
+    named("standard output", duplicate(&io::stdout()))
 }
 
 /// Standard input without a buffer.
-pub fn stdin() -> Result<File, Error> {
-    duplicate(&io::stdin()).map_err(|source| failed("cannot read standard input", source))
+pub fn stdin() -> Result<Named<'static, File>, Error> {
+    named("standard input", duplicate(&io::stdin()))
 }
 
-fn failed(action: &'static str, source: io::Error) -> Error {
-    Error::Io {
-        action,
-        path: NAME.into(),
-        source,
+fn named(name: &'static str, stream: io::Result<File>) -> Result<Named<'static, File>, Error> {
+    let name = Path::new(name);
+    match stream {
+        Ok(stream) => Ok(Named { name, stream }),
+        Err(source) => Err(Error::Io {
+            action: "cannot be opened",
+            path: name.into(),
+            source,
+        }),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where the result of a run goes: to a new file, into the log itself, or to a stream.
 
-use std::{cell::OnceCell, io::Write, path::Path, thread};
+use std::{cell::OnceCell, io::Write, thread};
 
 use super::{
     copying::Copying,
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     error::Error,
-    log::{Log, file::WriteAt, journal::Journal},
+    log::{Log, file::WriteAt, journal::Journal, stream::Named},
     progress::Watcher,
     report::Report,
     writer::{Appender, copy::copy_data, destination::Destination},
@@ -29,7 +29,7 @@ pub fn to_new_file(
         let copying = OnceCell::new();
         let begin = || {
             let metadata = log.file.handle().metadata().map_err(failed)?;
-            let created = destination.create(metadata.permissions())?;
+            let created = destination.create(Some(metadata.permissions()))?;
             let file = pending.insert(created).file();
             let started = Copying::start(scope, log, file, destination).map_err(failed)?;
             let _ = copying.set(started);
@@ -88,21 +88,41 @@ fn change<'a>(
 /// Writes to a stream, which gets the log first.
 pub fn to_stream(
     log: &Log,
-    mut output: impl Write + Send,
-    name: &Path,
+    output: Named<impl Write + Send>,
     derivation: Derivation,
     watcher: &Watcher,
 ) -> Result<Report, Error> {
+    let Named { name, mut stream } = output;
     let failed = |source| Error::io("cannot write the output", name, source);
     let format = derivation.format.clone();
     let begin = || {
         let copied = |done| watcher.bytes(done, log.data_end);
-        copy_data(log, &mut output, failed, copied)?;
-        let appender = Appender::begin(log, output, name.into(), format)?;
+        copy_data(log, &mut stream, failed, copied)?;
+        let appender = Appender::begin(log, stream, name.into(), format)?;
         Ok(Box::new(appender) as BoxedWriter)
     };
     let read = |read, of| watcher.bytes(log.data_end + read, log.data_end + of);
     let (writer, findings, _) = derivation.run(begin, read)?;
+    let written = writer.finish(findings.facts())?;
+    Ok(findings.report(name.into(), written))
+}
+
+/// Writes to a stream that has the log already; `began` is called before the first byte.
+pub fn behind(
+    log: &Log,
+    output: Named<impl Write + Send>,
+    derivation: Derivation,
+    watcher: &Watcher,
+    began: impl FnOnce(),
+) -> Result<Report, Error> {
+    let name = output.name;
+    let format = derivation.format.clone();
+    let begin = || {
+        began();
+        let appender = Appender::begin(log, output.stream, name.into(), format)?;
+        Ok(Box::new(appender) as BoxedWriter)
+    };
+    let (writer, findings, _) = derivation.run(begin, |read, of| watcher.bytes(read, of))?;
     let written = writer.finish(findings.facts())?;
     Ok(findings.report(name.into(), written))
 }

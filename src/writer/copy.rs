@@ -41,3 +41,26 @@ pub fn copy_data(
     }
     Ok(())
 }
+
+/// Copies what a log has from its data section's end on.
+///
+/// # Errors
+/// Those of [`copy_data`], or the log cannot be read.
+pub fn copy_end(
+    log: &Log,
+    output: &mut impl Write,
+    failed: impl Fn(io::Error) -> Error,
+    mut copied: impl FnMut(u64) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let length = log.file.len();
+    let mut piece = Vec::new();
+    let mut position = log.data_end;
+    while position < length {
+        let step = (BUFFER as u64).min(length - position);
+        log.file.read_into(&mut piece, position, step)?;
+        output.write_all(&piece).map_err(&failed)?;
+        position += step;
+        copied(position)?;
+    }
+    Ok(())
+}

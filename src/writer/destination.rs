@@ -1,5 +1,7 @@
 //! Where a result goes: a file that appears under its name only when it is complete.
 
+#[cfg(unix)]
+use std::os::unix::fs::PermissionsExt;
 use std::{
     ffi::OsString,
     fs::{self, File, Permissions},
@@ -10,6 +12,10 @@ use std::{
 use tempfile::NamedTempFile;
 
 use crate::{error::Error, log::journal::sync_folder};
+
+/// What a new file permits before the user's mask takes away from it.
+#[cfg(unix)]
+const NEW_FILE: u32 = 0o666;
 
 /// A file that is to be written.
 #[derive(Debug, Clone)]
@@ -61,19 +67,23 @@ impl Destination {
         &self.path
     }
 
-    /// Starts the file, under a temporary name in the same folder.
-    pub(crate) fn create(&self, permissions: Permissions) -> Result<Pending, Error> {
+    /// Starts the file, under a temporary name in the same folder, with these permissions, or those that any new
+    /// file gets.
+    pub(crate) fn create(&self, permissions: Option<Permissions>) -> Result<Pending, Error> {
         let mut prefix = OsString::from(".");
         prefix.push(self.path.file_name().unwrap_or_default());
         prefix.push(".");
-        let file = tempfile::Builder::new()
-            .prefix(&prefix)
-            .suffix(".part")
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(".part");
+        #[cfg(unix)]
+        builder.permissions(Permissions::from_mode(NEW_FILE));
+        let file = builder
             .tempfile_in(&self.folder)
             .and_then(|file| {
                 // Whoever may read the log may read the result, as far as the user can grant that.
-                match file.as_file().set_permissions(permissions) {
-                    Err(error) if !cannot_be_granted(&error) => Err(error),
+                let granted = permissions.map(|granted| file.as_file().set_permissions(granted));
+                match granted {
+                    Some(Err(error)) if !cannot_be_granted(&error) => Err(error),
                     _ => Ok(file),
                 }
             })
