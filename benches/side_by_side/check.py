@@ -1,0 +1,129 @@
+"""Judges what the contestants made of a log.
+
+    check.py LOG
+
+Reads lines "EXPECTED FILE" from standard input, and answers each with one: "yes", or what is wrong with the file.
+What may be EXPECTED:
+
+    copy        the log's bytes
+    messages    every message of the log unchanged, each topic's in the log's order; statistics that agree with a
+                recount, CRCs and indexes in order
+    reference   that; with its derived messages those of later files are compared
+    derived     that, and the reference's derived messages: the same types and times, the numbers to 1e-9
+    appended    that, and the log's bytes up to its DataEnd record at the start
+"""
+
+import filecmp
+import json
+import subprocess
+import sys
+from array import array
+from hashlib import sha256
+from pathlib import Path
+from struct import unpack
+
+import numpy as np
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+
+# Reads a file with the official library, and checks what that leaves unchecked.
+READER = Path(__file__).parents[2] / "tests/readers/read.py"
+DERIVED = {"/camera/relative_rpy": ["roll", "pitch", "yaw"], "/camera/velocity": ["x", "y", "z"]}
+TOLERANCE = 1e-9
+DATA_END_LENGTH, FOOTER_LENGTH, MAGIC_LENGTH = 1 + 8 + 4, 1 + 8 + 20, 8
+
+
+def check(ok, message):
+    if not ok:
+        raise ValueError(message)
+
+
+def digests(path):
+    """Of each topic's messages: a hash of their times, sequence numbers and payloads in the order of the file."""
+    topics = {}
+    with subprocess.Popen([sys.executable, READER, path, "stream"], stdout=subprocess.PIPE) as reader:
+        for line in reader.stdout:
+            topic, rest = line.split(b" ", 1)
+            if topic == b"summary":
+                summary = json.loads(rest)
+            else:
+                topics.setdefault(topic.decode(), sha256()).update(rest)
+    check(reader.returncode == 0, "the official reader refuses it")
+    check(summary["statistics"] == summary["recount"], "its statistics disagree with a recount")
+    return {topic: digest.hexdigest() for topic, digest in topics.items()}
+
+
+class Derived:
+    """The derived messages of a file, in the order of time."""
+
+    def __init__(self, path):
+        self.kinds = set()
+        self.times = {topic: array("q") for topic in DERIVED}
+        self.numbers = {topic: array("d") for topic in DERIVED}
+        with open(path, "rb") as f:
+            reader = make_reader(f, decoder_factories=[DecoderFactory()])
+            for schema, channel, record, message in reader.iter_decoded_messages(topics=DERIVED):
+                topic = channel.topic
+                self.kinds.add((topic, schema.name, message.frame_id))
+                interval = message.interval.ToNanoseconds() if topic == "/camera/relative_rpy" else 0
+                stamp = message.timestamp.ToNanoseconds()
+                self.times[topic].extend((record.log_time, record.publish_time, stamp, interval))
+                self.numbers[topic].extend(getattr(message, field) for field in DERIVED[topic])
+
+    def compare(self, other):
+        check(self.kinds == other.kinds, f"derived messages of other types or frames: {self.kinds}")
+        for topic in DERIVED:
+            check(self.times[topic] == other.times[topic], f"{topic}: other times than the Python way's")
+            difference = np.abs(np.subtract(self.numbers[topic], other.numbers[topic]))
+            check((difference <= TOLERANCE).all(), f"{topic}: {difference.max()} off the Python way's")
+
+
+def data_end(path):
+    """Where the DataEnd record is, which the summary follows."""
+    with open(path, "rb") as f:
+        f.seek(-(FOOTER_LENGTH + MAGIC_LENGTH), 2)
+        return unpack("<BQQ", f.read(17))[2] - DATA_END_LENGTH
+
+
+def same_start(path, other, length):
+    with open(path, "rb") as f, open(other, "rb") as g:
+        while length:
+            block = f.read(min(length, 1 << 24))
+            if not block or g.read(len(block)) != block:
+                return False
+            length -= len(block)
+    return True
+
+
+class Judge:
+    def __init__(self, log):
+        self.log, self.digests, self.reference = log, digests(log), None
+
+    def judge(self, expected, output):
+        if expected == "copy":
+            check(filecmp.cmp(self.log, output, shallow=False), "not the same bytes")
+            return
+        topics = digests(output)
+        for topic, digest in self.digests.items():
+            check(topics.pop(topic, None) == digest, f"the messages of {topic} are not the log's")
+        check(set(topics) <= set(DERIVED), f"topics that do not belong there: {', '.join(topics)}")
+        if expected == "reference":
+            self.reference = Derived(output)
+        if expected in ("derived", "appended"):
+            Derived(output).compare(self.reference)
+        if expected == "appended":
+            check(same_start(self.log, output, data_end(self.log)), "does not begin with the log's data section")
+
+
+def main(log):
+    judge = Judge(log)
+    for line in sys.stdin:
+        try:
+            judge.judge(*line.rstrip("\n").split(" ", 1))
+            verdict = "yes"
+        except Exception as error:  # whatever the library throws: one line
+            verdict = f"NO: {' '.join(str(error).split()):.200}"
+        print(verdict, flush=True)
+
+
+main(*sys.argv[1:])
