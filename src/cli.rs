@@ -59,6 +59,9 @@ impl From<Exit> for ExitCode {
 
 /// Runs what the arguments ask for. Wrong arguments end the process here, with an explanation.
 pub fn run() -> ExitCode {
+    // A file that may not grow any more is an error of writing, which has a message; the signal would kill.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
     let result = match Cli::parse().command {
         Command::Enrich(arguments) => enrich::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),

@@ -184,6 +184,13 @@ pub enum Error {
     },
 
     #[error(
+        "{}: {} beside it is left from an interrupted change of a log of that name; bring that log back with \
+         `flightcam restore`, remove the journal if that log is lost, or choose another output with -o",
+        path.display(), journal.display()
+    )]
+    JournalInTheWay { path: PathBuf, journal: PathBuf },
+
+    #[error(
         "{cause}\n{}: moreover, the log could not be brought back to what it was ({rollback}); \
          when there is room again, `flightcam restore` does that", path.display()
     )]
@@ -300,10 +307,10 @@ impl Error {
         match self {
             Self::PassedOn { cause } => cause.is_usage(),
             Self::UnknownProfile { .. }
-                | Self::BadProfile { .. }
-                | Self::OutputIsInput { .. }
-                | Self::NoCamera
-                | Self::TiltedMount
+            | Self::BadProfile { .. }
+            | Self::OutputIsInput { .. }
+            | Self::NoCamera
+            | Self::TiltedMount
             | Self::GimbalAndMount
             | Self::InterleavedStream => true,
             _ => false,

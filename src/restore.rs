@@ -13,7 +13,11 @@ use crate::{
     },
     progress::{Watch, Watcher},
     report::lossy,
-    writer::{copy::{copy_data, copy_end}, destination::Destination, original::Original},
+    writer::{
+        copy::{copy_data, copy_end},
+        destination::Destination,
+        original::Original,
+    },
 };
 
 /// What was restored. As JSON it is what scripts read, so its names are part of the interface.

@@ -69,8 +69,5 @@ fn catch_signals() -> Arc<AtomicBool> {
         let _ = flag::register_conditional_shutdown(signal, 1, Arc::clone(&is_ended));
         let _ = flag::register(signal, Arc::clone(&is_ended));
     }
-    // A file that may not grow any more is an error of writing, which has a message; the signal would kill.
-    #[cfg(unix)]
-    let _ = flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
     is_ended
 }

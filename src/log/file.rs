@@ -1,8 +1,9 @@
 //! A log's bytes, read by position.
 
 use std::{
-    fs::{File, OpenOptions, TryLockError},
+    fs::{File, OpenOptions, Permissions, TryLockError},
     io::{self, Write},
+    ops::Deref,
     path::{Path, PathBuf},
 };
 
@@ -16,7 +17,7 @@ use crate::error::Error;
 #[derive(Debug)]
 pub struct LogFile {
     path: PathBuf,
-    file: File,
+    file: LockedFile,
     /// What stands in place of the file's own bytes from some position on.
     tail: Option<Tail>,
     len: u64,
@@ -52,24 +53,31 @@ impl LogFile {
             return Err(Error::NotAFile { path: path.into() });
         }
         let mut recovered = false;
-        if access == Access::Read && journal::exists(path) {
-            recovered = journal::recover(&open_locked(path, Access::Change)?, path)?;
+        let mut file = LockedFile::open(path, access)?;
+        // Asked when the lock is held, so that a journal is not one of a change that is under way.
+        while access == Access::Read && journal::exists(path) {
+            drop(file);
+            recovered |= recover(path)?;
+            file = LockedFile::open(path, access)?;
         }
-        let file = open_locked(path, access)?;
         if access == Access::Change {
             recovered = journal::recover(&file, path)?;
         }
         Ok(Self {
             recovered,
-            ..Self::from_file(path, file)?
+            ..Self::of(path, file)?
         })
     }
 
-    /// A file that is open already, and what errors call it. Nobody else must have it.
+    /// A file that nobody else has, so that it needs no lock, and what errors call it.
     ///
     /// # Errors
     /// It cannot be said how long it is.
     pub fn from_file(path: &Path, file: File) -> Result<Self, Error> {
+        Self::of(path, LockedFile(file))
+    }
+
+    fn of(path: &Path, file: LockedFile) -> Result<Self, Error> {
         let metadata = file.metadata();
         let metadata = metadata.map_err(|source| Error::io("cannot open the log", path, source))?;
         Ok(Self {
@@ -161,25 +169,69 @@ impl LogFile {
     }
 }
 
-/// Opens a file and locks it for as long as it is open.
-fn open_locked(path: &Path, access: Access) -> Result<File, Error> {
-    let mut options = OpenOptions::new();
-    options.read(true).write(access == Access::Change);
-    let file = options.open(path);
-    let file = file.map_err(|source| Error::io("cannot open the log", path, source))?;
-    let locked = match access {
-        Access::Read => file.try_lock_shared(),
-        Access::Change => file.try_lock(),
-    };
-    match (locked, access) {
-        (Err(TryLockError::WouldBlock), _) => Err(Error::Locked { path: path.into() }),
-        (Err(TryLockError::Error(source)), Access::Change) => Err(Error::NoLocks {
-            path: path.into(),
-            source,
-        }),
-        // Where the file system knows no locks, nobody can be changing the file in place.
-        (Err(TryLockError::Error(_)), Access::Read) | (Ok(()), _) => Ok(file),
+/// Undoes a change that was cut short, if nobody else is doing so. Whether there was one.
+fn recover(path: &Path) -> Result<bool, Error> {
+    let file = LockedFile::open(path, Access::Change).map_err(|error| match error {
+        Error::Io { source, .. } => journal::not_recovered(path, source),
+        other => other,
+    })?;
+    journal::recover(&file, path)
+}
+
+/// A file that is locked for as long as this lives.
+#[derive(Debug)]
+struct LockedFile(File);
+
+impl LockedFile {
+    fn open(path: &Path, access: Access) -> Result<Self, Error> {
+        let mut options = OpenOptions::new();
+        options.read(true).write(access == Access::Change);
+        let file = options.open(path);
+        let file = file.map_err(|source| Error::io("cannot open the log", path, source))?;
+        let locked = match access {
+            Access::Read => file.try_lock_shared(),
+            Access::Change => file.try_lock(),
+        };
+        match (locked, access) {
+            (Err(TryLockError::WouldBlock), _) => Err(Error::Locked { path: path.into() }),
+            (Err(TryLockError::Error(source)), Access::Change) => Err(Error::NoLocks {
+                path: path.into(),
+                source,
+            }),
+            // Where the file system knows no locks, nobody can be changing the file in place.
+            (Err(TryLockError::Error(_)), Access::Read) | (Ok(()), _) => Ok(Self(file)),
+        }
     }
+}
+
+impl Deref for LockedFile {
+    type Target = File;
+
+    fn deref(&self) -> &File {
+        &self.0
+    }
+}
+
+impl Drop for LockedFile {
+    /// Closing is not enough: a process that another thread is just starting has the file open too for a moment.
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
+    }
+}
+
+/// Lets whoever may read a log read also what is made of it, as far as the user can grant that.
+pub fn grant(file: &File, permissions: Permissions) -> io::Result<()> {
+    match file.set_permissions(permissions) {
+        Err(error) if cannot_be_granted(&error) => Ok(()),
+        granted => granted,
+    }
+}
+
+fn cannot_be_granted(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::PermissionDenied | io::ErrorKind::Unsupported
+    )
 }
 
 /// Writes to a file from some position on, whatever else is done with its handle.

@@ -21,7 +21,7 @@ use std::{
 use binrw::{BinRead, BinWrite, binrw};
 
 use super::{
-    file::{LogFile, WriteAt},
+    file::{LogFile, WriteAt, grant},
     prefix::Prefix,
 };
 use crate::error::Error;
@@ -152,21 +152,29 @@ pub(super) fn exists(log: &Path) -> bool {
     beside(log).is_ok_and(|journal| journal.exists())
 }
 
+/// Whether no file has the name, or none can have it because it is too long.
+fn cannot_be_there(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::NotFound | ErrorKind::InvalidFilename
+    )
+}
+
+/// The error for a log that cannot be brought back.
+pub(super) fn not_recovered(log: &Path, source: io::Error) -> Error {
+    let action = "cannot bring the log back to what it was before an interrupted run";
+    Error::io(action, log, source)
+}
+
 /// Brings a file back to what it was before a change that was cut short, if one was. The file must be locked, so
 /// that no change is under way. Whether there was one.
 pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, Error> {
     let path = beside(log_path)?;
     let journal = match File::open(&path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+        Err(error) if cannot_be_there(&error) => return Ok(false),
         opened => opened,
     };
-    let failed = |source| {
-        Error::io(
-            "cannot bring the log back to what it was before an interrupted run",
-            log_path,
-            source,
-        )
-    };
+    let failed = |source| not_recovered(log_path, source);
     let mut journal = journal.map_err(failed)?;
     if let Some(header) = read_whole(&mut journal).map_err(failed)? {
         let prefix = Prefix::of(log, header.prefix.length).ok();
@@ -191,10 +199,13 @@ fn write(
 ) -> io::Result<()> {
     reached(Step::JournalCreated);
     let file = log.handle();
+    let metadata = file.metadata()?;
+    grant(&journal, metadata.permissions())?;
+    let path = log.path().canonicalize()?;
     let header = Header {
         prefix: Prefix::of(file, start)?,
-        length: file.metadata()?.len(),
-        path: log.path().as_os_str().as_encoded_bytes().to_vec(),
+        length: metadata.len(),
+        path: path.into_os_string().into_encoded_bytes(),
     };
     let mut start_of_journal = io::Cursor::new(Vec::new());
     header
@@ -222,7 +233,11 @@ fn write(
 /// The header of a journal, and the journal where its header ends; `None` if the journal is not whole.
 fn read_whole(journal: &mut File) -> io::Result<Option<Header>> {
     let length = journal.metadata()?.len();
-    let Some(checked) = length.checked_sub(CRC_LENGTH) else {
+    // Zeros are what a power cut makes of a file, and of nothing they would be the checksum.
+    let Some(checked) = length
+        .checked_sub(CRC_LENGTH)
+        .filter(|&checked| checked > 0)
+    else {
         return Ok(None);
     };
     let mut crc = Checksummed {
@@ -272,9 +287,14 @@ fn remove(journal: &Path, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
 fn beside(log: &Path) -> Result<PathBuf, Error> {
     let file = log.canonicalize();
     let file = file.map_err(|source| Error::io("cannot find the log", log, source))?;
-    let mut name = OsString::from(file);
+    Ok(journal_of(&file))
+}
+
+/// Where the journal is of a log whose name is not a link.
+pub fn journal_of(log: &Path) -> PathBuf {
+    let mut name = OsString::from(log);
     name.push(SUFFIX);
-    Ok(name.into())
+    name.into()
 }
 
 /// Makes a file's name as durable as its content.

@@ -28,10 +28,10 @@ pub struct Appender<'a, W> {
     /// What is written to, for errors.
     path: PathBuf,
     section: Section<W>,
+    /// What the log has behind its data section. Had before the first write, because that may replace it.
+    tail: Vec<u8>,
     channels: NewChannels<'a>,
     batch: Batch,
-    /// The original's end, ready to be attached.
-    tail: Vec<u8>,
     /// The chunk indexes of chunks that had no message indexes until now, by the chunks' offsets.
     reindexed: BTreeMap<u64, ChunkIndex>,
 }
@@ -46,12 +46,11 @@ impl<'a, W: Write> Appender<'a, W> {
         let section = Section::new(out, log.data_end, log.data_crc);
         let mut appender = Self {
             section: section.map_err(|source| write_error(&path, source))?,
+            tail: original::encode(log)?,
             log,
             path,
             channels: NewChannels::new(log, format),
             batch: Batch::default(),
-            // Read now, because `out` may be the log's own file.
-            tail: original::encode(log)?,
             reindexed: BTreeMap::new(),
         };
         if !log.contents.has_loose_messages() {

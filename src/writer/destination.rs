@@ -11,7 +11,13 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::{error::Error, log::journal::sync_folder};
+use crate::{
+    error::Error,
+    log::{
+        file::grant,
+        journal::{journal_of, sync_folder},
+    },
+};
 
 /// What a new file permits before the user's mask takes away from it.
 #[cfg(unix)]
@@ -29,8 +35,8 @@ impl Destination {
     /// Checks that a result may be written to `path`.
     ///
     /// # Errors
-    /// Something is there already and may not be overwritten, it is the input itself, or its folder does not
-    /// exist.
+    /// Something is there already and may not be overwritten, it is the input itself, its folder does not exist,
+    /// or a journal is left there.
     pub fn new(input: &Path, path: &Path, overwrite: bool) -> Result<Self, Error> {
         let names_a_folder = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         if path.is_dir() || names_a_folder {
@@ -54,6 +60,12 @@ impl Destination {
         }
         if fs::symlink_metadata(path).is_ok() && !overwrite {
             return Err(Error::OutputExists { path: path.into() });
+        }
+        // Whoever opens the result would take it for the log that was being changed.
+        let journal = journal_of(path);
+        if journal.exists() {
+            let path = path.into();
+            return Err(Error::JournalInTheWay { path, journal });
         }
         Ok(Self {
             path: path.into(),
@@ -79,13 +91,9 @@ impl Destination {
         builder.permissions(Permissions::from_mode(NEW_FILE));
         let file = builder
             .tempfile_in(&self.folder)
-            .and_then(|file| {
-                // Whoever may read the log may read the result, as far as the user can grant that.
-                let granted = permissions.map(|granted| file.as_file().set_permissions(granted));
-                match granted {
-                    Some(Err(error)) if !cannot_be_granted(&error) => Err(error),
-                    _ => Ok(file),
-                }
+            .and_then(|file| match permissions {
+                Some(permissions) => grant(file.as_file(), permissions).map(|()| file),
+                None => Ok(file),
             })
             .map_err(|source| {
                 self.error(
@@ -107,13 +115,6 @@ impl Destination {
     fn error(&self, action: &'static str, source: io::Error) -> Error {
         Error::io(action, &self.path, source)
     }
-}
-
-fn cannot_be_granted(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        ErrorKind::PermissionDenied | ErrorKind::Unsupported
-    )
 }
 
 /// A file that is being written. It is removed again unless it is committed.

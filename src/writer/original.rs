@@ -46,9 +46,12 @@ impl Original {
     /// The log cannot be read.
     pub fn of(log: Log) -> Result<Self, Error> {
         Ok(match find(&log)? {
-            Ok(tail) => Self {
+            Ok((message, tail)) => Self {
                 undone: Ok(provenance::describe(&log)?),
-                log: tail.before(log)?,
+                log: Log::read(
+                    log.file
+                        .with_tail(message.data_end, tail, message.tail_length),
+                )?,
             },
             Err(lost) => Self {
                 log,
@@ -105,24 +108,24 @@ fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), Error> {
     Ok((zstd.finish().map_err(failed)?, sha256.finalize().to_vec()))
 }
 
-/// The tail of the original that a log carries, or why there is none that can be trusted.
-fn find(log: &Log) -> Result<Result<OriginalTail, Lost>, Error> {
+/// What a log carries of the original, with the uncompressed tail, or why there is nothing that can be trusted.
+fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, Error> {
     let attachments = &log.contents.attachments;
     let named = attachments.iter().map(|index| &index.record);
     let Some(index) = named.filter(|index| index.name == NAME).next_back() else {
         return Ok(Err(provenance::why_no_way_back(log)?));
     };
     let rewritten = Ok(Err(Lost::Rewritten));
-    let Some(tail) = decode(log, index)? else {
+    let Some(message) = decode(log, index)? else {
         return rewritten;
     };
     let prefix = Prefix {
-        length: tail.data_end,
-        head_sha256: match tail.head_sha256.as_slice().try_into() {
+        length: message.data_end,
+        head_sha256: match message.head_sha256.as_slice().try_into() {
             Ok(hash) => hash,
             Err(_) => return rewritten,
         },
-        foot_sha256: match tail.foot_sha256.as_slice().try_into() {
+        foot_sha256: match message.foot_sha256.as_slice().try_into() {
             Ok(hash) => hash,
             Err(_) => return rewritten,
         },
@@ -133,11 +136,14 @@ fn find(log: &Log) -> Result<Result<OriginalTail, Lost>, Error> {
         && Prefix::of(log.file.handle(), prefix.length)
             .map_err(|source| Error::io("cannot read", log.file.path(), source))?
             == prefix;
-    Ok(if is_intact {
-        Ok(tail)
-    } else {
-        Err(Lost::Rewritten)
-    })
+    if !is_intact {
+        return rewritten;
+    }
+    let file = message.decompress().map_err(|source| {
+        let action = "cannot uncompress the original's end into a temporary file";
+        Error::io(action, log.file.path(), source)
+    })?;
+    Ok(file.map(|file| (message, file)).ok_or(Lost::Rewritten))
 }
 
 fn decode(log: &Log, index: &AttachmentIndex) -> Result<Option<OriginalTail>, Error> {
@@ -176,20 +182,6 @@ fn is_all_ours(log: &Log, start: u64) -> bool {
 }
 
 impl OriginalTail {
-    /// The log that this is the tail of, read from the one that carries it.
-    fn before(&self, log: Log) -> Result<Log, Error> {
-        let path = log.file.path().to_owned();
-        let tail = self
-            .decompress()
-            .map_err(|source| Error::io("cannot keep the end of", &path, source))?
-            .ok_or(Error::NotRestorable {
-                path,
-                reason: Lost::Rewritten,
-            })?;
-        let file = log.file.with_tail(self.data_end, tail, self.tail_length);
-        Log::read(file)
-    }
-
     /// The tail in a temporary file; `None` if it is not the one that was compressed.
     fn decompress(&self) -> io::Result<Option<File>> {
         let mut file = tempfile::tempfile()?;

@@ -1,8 +1,8 @@
 //! A folder in which the program is run as a user would, and what must hold of every run.
 
-use std::{collections::BTreeMap, fs, path::PathBuf, time::SystemTime};
+use std::{collections::BTreeMap, fs, path::PathBuf, process::Command, time::SystemTime};
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -49,6 +49,14 @@ impl Folder {
         fs::read(self.path(name)).unwrap()
     }
 
+    /// The content of the one file that is there.
+    #[track_caller]
+    pub fn read_only_one(&self, name: &str) -> Vec<u8> {
+        let found: Vec<PathBuf> = self.contents().into_keys().collect();
+        assert_eq!(found, [self.path(name)], "nothing else is in the folder");
+        self.read(name)
+    }
+
     /// Everything in the folder and below, hidden files too.
     pub fn contents(&self) -> BTreeMap<PathBuf, Fingerprint> {
         let mut contents = BTreeMap::new();
@@ -74,13 +82,28 @@ impl Folder {
     /// standard error.
     #[track_caller]
     pub fn run(&self, arguments: &str, code: i32) -> (String, String) {
-        let mut command = cargo_bin_cmd!("flightcam");
+        let mut command = Command::new(cargo_bin!("flightcam"));
         command.args(arguments.split_whitespace());
+        self.expect(command, code)
+    }
+
+    /// As [`run`](Self::run), where no file may become longer than so many blocks of 512 bytes.
+    #[track_caller]
+    #[cfg(unix)]
+    pub fn run_limited(&self, blocks: usize, arguments: &str, code: i32) -> (String, String) {
+        let mut command = Command::new("sh");
+        let script = format!("ulimit -f {blocks} && exec \"$0\" {arguments}");
+        command.arg("-c").arg(script).arg(cargo_bin!("flightcam"));
+        self.expect(command, code)
+    }
+
+    #[track_caller]
+    fn expect(&self, mut command: Command, code: i32) -> (String, String) {
         command.current_dir(&self.0).env_remove("CLICOLOR_FORCE");
         let output = command.output().unwrap();
         let out = String::from_utf8(output.stdout).unwrap();
         let err = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(code), "{arguments}\n{out}{err}");
+        assert_eq!(output.status.code(), Some(code), "{command:?}\n{out}{err}");
         (out, err)
     }
 

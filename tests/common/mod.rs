@@ -6,6 +6,7 @@ pub mod inspection;
 pub mod logbook;
 pub mod message;
 pub mod piping;
+pub mod rewriting;
 pub mod ros;
 pub mod selecting;
 pub mod shapes;
@@ -63,7 +64,12 @@ pub fn real_logs() -> Option<PathBuf> {
 
 /// 30° below the horizon, all else by default.
 pub fn options() -> Options {
-    Options::new(DepressionAngle::from_degrees(30.0).expect("30° is in range"))
+    options_at(30.0)
+}
+
+/// Another angle below the horizon, all else by default.
+pub fn options_at(degrees: f64) -> Options {
+    Options::new(DepressionAngle::from_degrees(degrees).expect("it is in range"))
 }
 
 /// Enriches a log that lies in memory; gives the result's bytes and the report.
@@ -84,8 +90,8 @@ pub fn enrich_bytes_with(log: &[u8], options: &Options) -> Result<(Vec<u8>, Repo
 
 pub const TELEMETRY: &str = "/drone/state";
 
-/// How a log is written. Its messages are always the same: [`MESSAGES`] telemetry samples at 50 Hz, each
-/// with a message of another topic.
+/// How a log is written. Its messages are always the same: telemetry samples at 50 Hz, each with a message of
+/// another topic.
 #[derive(Debug, Clone)]
 pub struct Shape {
     pub options: WriteOptions,
@@ -95,6 +101,8 @@ pub struct Shape {
     pub channel_ids: [u16; 2],
     /// The telemetry's; 0 for none.
     pub schema_id: u16,
+    /// How many telemetry samples.
+    pub messages: u64,
 }
 
 pub const MESSAGES: u64 = 200;
@@ -109,6 +117,7 @@ impl Default for Shape {
             attachment_and_metadata: false,
             channel_ids: [1, 2],
             schema_id: 1,
+            messages: MESSAGES,
         }
     }
 }
@@ -169,7 +178,7 @@ impl Shape {
             false => &[&[telemetry, other]],
         };
         for pass in passes {
-            for i in 0..MESSAGES {
+            for i in 0..self.messages {
                 for &channel in *pass {
                     match channel == telemetry {
                         true => put(channel, i, state(i).as_bytes()),

@@ -1,9 +1,9 @@
-//! Logs of random shapes.
+//! Logs of random and of awkward shapes.
 
-use mcap::{Compression, WriteOptions};
+use mcap::{Compression, WriteOptions, records::op};
 use proptest::prelude::*;
 
-use super::Shape;
+use super::{Parts, Shape};
 
 /// Any way to write a log that the official writer knows.
 pub fn any_shape() -> impl Strategy<Value = Shape> {
@@ -36,6 +36,37 @@ pub fn any_shape() -> impl Strategy<Value = Shape> {
             attachment_and_metadata: flags[11],
             channel_ids,
             schema_id,
+            ..Shape::default()
         },
     )
+}
+
+/// A log whose summary says the same many times. What replaces it says it once, so that the file gets shorter.
+pub fn with_repeated_schemas() -> Vec<u8> {
+    let mut parts = Parts::of(&Shape::default().write());
+    let schema = parts
+        .summary
+        .iter()
+        .find(|(opcode, _)| *opcode == op::SCHEMA);
+    let schema = schema.expect("a schema").clone();
+    parts.summary.extend(std::iter::repeat_n(schema, 2000));
+    parts.join()
+}
+
+/// A log as a recorder leaves it that reserved more room than it came to use.
+pub fn with_zeros_at_the_end() -> Vec<u8> {
+    let log = Shape::default().write();
+    let mut torn = log[..log.len() * 9 / 10].to_vec();
+    torn.resize(log.len() + 3_000_000, 0);
+    torn
+}
+
+/// A log so long that what is derived from it makes several chunks.
+pub fn long_log() -> Vec<u8> {
+    let shape = Shape::with(|options| options.chunk_size(Some(1024 * 1024)));
+    Shape {
+        messages: 12_000,
+        ..shape
+    }
+    .write()
 }
