@@ -372,7 +372,7 @@ impl Sampled {
     fn read(log: &Log, source: &mut Source) -> Result<Self, Error> {
         let wanted = source.channel_ids();
         let segments: Vec<&Segment> = (log.contents.segments.iter())
-            .filter(|segment| segment.message_counts.keys().any(|id| wanted.contains(id)))
+            .filter(|segment| !segment.channels_among(&wanted).is_empty())
             .collect();
         let length: u64 = segments.iter().map(|segment| segment.length).sum();
         let share = (MOST_READ as f64 / length as f64).min(1.0);
@@ -389,9 +389,8 @@ impl Sampled {
                 continue;
             }
             read += segment.length;
-            for message in reader.read(segment)? {
-                let (_, message) = message?;
-                source.read(&message, |kind, sample| match sample {
+            for message in reader.read(segment, &wanted)? {
+                source.read(&message?, |kind, sample| match sample {
                     Ok(sample) => {
                         sampled.tallies[kind].used += 1;
                         let first = sampled.first.entry(kind).or_insert(sample);

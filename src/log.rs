@@ -13,7 +13,10 @@ pub mod stream;
 
 mod chunk;
 mod foreign;
+mod index;
+mod picker;
 mod scan;
+mod segment;
 mod summary;
 mod times;
 
@@ -22,17 +25,16 @@ use std::{
     path::Path,
 };
 
-use mcap::records::{
-    DataEnd, Header, MessageIndex, MessageIndexEntry, Metadata, MetadataIndex, op,
-};
+use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, op};
 
 use crate::error::Error;
-use chunk::ChunkReader;
-use contents::{Contents, Segment, SegmentKind};
+use contents::Contents;
 use file::{Access, LogFile};
-use record::{RawMessage, Records, parse};
+use record::{Records, parse};
 use scan::{Bodies, Collector, Step, Walker};
 use summary::{DATA_END_LENGTH, Ending};
+
+pub use segment::SegmentReader;
 
 /// A longer payload is none that [`Log::first_payloads`] gives.
 pub const LONGEST_EXAMPLE: usize = 64 * 1024;
@@ -220,96 +222,26 @@ impl Log {
         let mut payloads: BTreeMap<u16, Vec<Vec<u8>>> = BTreeMap::new();
         let mut pending = channel_ids.clone();
         for segment in &self.contents.segments {
-            if !segment.message_counts.keys().any(|id| pending.contains(id)) {
+            let here = segment.channels_among(&pending);
+            if here.is_empty() {
                 continue;
             }
-            for message in segments.read(segment)? {
-                let (_, message) = message?;
-                if !pending.contains(&message.channel_id) || message.payload.len() > LONGEST_EXAMPLE
-                {
+            let mut unfilled = here.len();
+            for message in segments.read(segment, &here)? {
+                let message = message?;
+                let of_channel = payloads.entry(message.channel_id).or_default();
+                if of_channel.len() == most || message.payload.len() > LONGEST_EXAMPLE {
                     continue;
                 }
-                let of_channel = payloads.entry(message.channel_id).or_default();
-                if of_channel.len() < most {
-                    of_channel.push(message.payload.to_vec());
+                of_channel.push(message.payload.to_vec());
+                unfilled -= usize::from(of_channel.len() == most);
+                if unfilled == 0 {
+                    break;
                 }
             }
-            pending.retain(|id| !segment.message_counts.contains_key(id));
+            pending.retain(|id| !here.contains(id));
         }
         Ok(payloads)
-    }
-}
-
-/// Reads the messages of one segment after the other, reusing its buffers.
-pub struct SegmentReader<'a> {
-    file: &'a LogFile,
-    loose: Vec<u8>,
-    chunks: ChunkReader,
-}
-
-impl<'a> SegmentReader<'a> {
-    /// Of a log, with nothing read yet.
-    pub fn new(log: &'a Log) -> Self {
-        Self {
-            file: &log.file,
-            loose: Vec::new(),
-            chunks: ChunkReader::default(),
-        }
-    }
-
-    /// The messages of a segment, in the order of the file, each with its offset among the segment's
-    /// uncompressed records.
-    ///
-    /// # Errors
-    /// The segment cannot be read or is damaged.
-    pub fn read(
-        &mut self,
-        segment: &Segment,
-    ) -> Result<impl Iterator<Item = Result<(u64, RawMessage<'_>), Error>>, Error> {
-        let file = self.file;
-        let Segment { offset, length, .. } = *segment;
-        let records = match segment.kind {
-            SegmentKind::Loose => {
-                file.read_into(&mut self.loose, offset, length)?;
-                Records::new(&self.loose)
-            }
-            SegmentKind::Chunk { .. } => self.chunks.read(file, offset, length)?.1,
-        };
-        let malformed =
-            move || file.corrupt(offset, "what starts there holds a record that breaks off");
-        Ok(records.filter_map(move |record| match record {
-            Ok(record) if record.opcode == op::MESSAGE => Some(
-                RawMessage::parse(record.body)
-                    .map(|message| (record.offset as u64, message))
-                    .ok_or_else(malformed),
-            ),
-            Ok(_) => None,
-            Err(_) => Some(Err(malformed())),
-        }))
-    }
-
-    /// The message indexes of a chunk, made from its messages.
-    ///
-    /// # Errors
-    /// The chunk cannot be read or is damaged.
-    pub fn message_indexes(&mut self, chunk: &Segment) -> Result<Vec<MessageIndex>, Error> {
-        let mut entries: BTreeMap<u16, Vec<MessageIndexEntry>> = BTreeMap::new();
-        for message in self.read(chunk)? {
-            let (offset, message) = message?;
-            let log_time = message.log_time;
-            let of_channel = entries.entry(message.channel_id).or_default();
-            of_channel.push(MessageIndexEntry { log_time, offset });
-        }
-        Ok(entries
-            .into_iter()
-            .map(|(channel_id, mut records)| {
-                records.sort_by_key(|entry| entry.log_time);
-                MessageIndex {
-                    channel_id,
-                    records,
-                }
-            })
-            .collect())
     }
 }
 

@@ -34,8 +34,9 @@ use finder::Fit;
 use path::FieldPath;
 use profile::Profile;
 
-/// The telemetry of one log: which channels have it, and how to read their messages.
-#[derive(Debug)]
+/// The telemetry of one log: which channels have it, and how to read their messages. Clones may read some of the
+/// messages each, and be [merged](Source::merge) again.
+#[derive(Debug, Clone)]
 pub struct Source {
     /// The profile that fits.
     pub profile: Profile,
@@ -122,6 +123,15 @@ impl Source {
     ) {
         if let Some(channel) = self.channels.get_mut(&message.channel_id) {
             channel.read(message, emit);
+        }
+    }
+
+    /// Takes over what a clone learnt from the messages that it read.
+    pub fn merge(&mut self, clone: &Self) {
+        for (id, channel) in &mut self.channels {
+            if let Some(clone) = clone.channels.get(id) {
+                channel.merge(clone);
+            }
         }
     }
 

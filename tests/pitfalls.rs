@@ -26,11 +26,12 @@ fn read(topics: &[Topic], request: &Request, kinds: &[Kind]) -> (Vec<Sample>, Ta
     let log = Log::open(&folder.path(LOG)).expect("a log");
     let source = Source::select(&log, request).expect("a source");
     let source = source.keep(&log, request, kinds).expect("the same source");
-    let mut reader = Reader::new(&log, source);
-    let samples: Vec<Sample> = (&mut reader)
-        .map(|sample| sample.expect("a sample"))
-        .collect();
-    (samples, reader.finish().1)
+    let mut samples = Vec::new();
+    let read = Reader::new(&log, source).for_each(|sample, _| {
+        samples.push(sample);
+        Ok(())
+    });
+    (samples, read.expect("a readable log").1)
 }
 
 fn of_profile(toml: &str) -> Request {

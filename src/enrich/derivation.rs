@@ -81,10 +81,10 @@ impl<'a> Derivation<'a> {
         begin: impl FnOnce() -> Result<BoxedWriter<'w>, Error>,
         mut read: impl FnMut(u64, u64) -> Result<(), Error>,
     ) -> Result<(BoxedWriter<'w>, Findings<'a>, u64), Error> {
-        let mut reader = Reader::new(self.telemetry, self.source);
+        let reader = Reader::new(self.telemetry, self.source);
         let mut transform = Transform::new(self.camera, self.options.max_gap);
         let total = reader.bytes_total();
-        let (writer, outcome) = thread::scope(|scope| {
+        let (writer, source, dropped, outcome) = thread::scope(|scope| {
             let mut begin = Some(begin);
             let mut writing: Option<Writing> = None;
             let mut derived = Vec::new();
@@ -96,21 +96,21 @@ impl<'a> Derivation<'a> {
                 writing = Some(started.send(mem::take(derived))?);
                 Ok::<_, Error>(())
             };
-            while let Some(sample) = reader.next() {
-                transform.push(sample?, &mut derived);
-                if derived.len() >= BATCH {
-                    hand_over(&mut derived)?;
-                    read(reader.bytes_read(), total)?;
+            let (source, dropped) = reader.for_each(|sample, bytes_read| {
+                transform.push(sample, &mut derived);
+                if derived.len() < BATCH {
+                    return Ok(());
                 }
-            }
+                hand_over(&mut derived)?;
+                read(bytes_read, total)
+            })?;
             if !derived.is_empty() {
                 hand_over(&mut derived)?;
             }
             let writer = writing.map(Writing::finish).transpose()?;
-            Ok::<_, Error>((writer, transform.finish()))
+            Ok::<_, Error>((writer, source, dropped, transform.finish()))
         })?;
         read(total, total)?;
-        let (source, dropped) = reader.finish();
         let findings = Findings::new(
             self.original,
             self.options,

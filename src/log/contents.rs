@@ -121,6 +121,14 @@ pub struct Segment {
     pub kind: SegmentKind,
 }
 
+impl Segment {
+    /// Those of some channels that have messages in it.
+    pub fn channels_among(&self, channel_ids: &BTreeSet<u16>) -> BTreeSet<u16> {
+        let here = self.message_counts.keys().copied();
+        here.filter(|id| channel_ids.contains(id)).collect()
+    }
+}
+
 /// What holds the messages of a segment.
 #[derive(Debug, Clone)]
 pub enum SegmentKind {

@@ -124,6 +124,20 @@ impl LogFile {
     /// # Errors
     /// The range does not lie within the file, or reading fails.
     pub fn read_into(&self, buffer: &mut Vec<u8>, offset: u64, length: u64) -> Result<(), Error> {
+        self.read_behind(buffer, 0, offset, length)
+    }
+
+    /// Reads the `length` bytes at `offset` into `buffer` behind its first `kept` bytes, replacing the others.
+    ///
+    /// # Errors
+    /// The range does not lie within the file, or reading fails.
+    pub fn read_behind(
+        &self,
+        buffer: &mut Vec<u8>,
+        kept: usize,
+        offset: u64,
+        length: u64,
+    ) -> Result<(), Error> {
         if offset.checked_add(length).is_none_or(|end| end > self.len) {
             return Err(self.corrupt(
                 offset,
@@ -132,21 +146,23 @@ impl LogFile {
                 ),
             ));
         }
-        let length = usize::try_from(length)
-            .map_err(|_| self.corrupt(offset, format!("{length} bytes do not fit in memory")))?;
-        buffer.clear();
-        buffer
-            .try_reserve_exact(length)
-            .map_err(|_| self.corrupt(offset, format!("{length} bytes do not fit in memory")))?;
-        buffer.resize(length, 0);
+        let too_long = || self.corrupt(offset, format!("{length} bytes do not fit in memory"));
+        let end = usize::try_from(length).ok();
+        let end = end.and_then(|length| kept.checked_add(length));
+        let end = end.ok_or_else(too_long)?;
+        let more = end.saturating_sub(buffer.len());
+        buffer.try_reserve_exact(more).map_err(|_| too_long())?;
+        // Bytes that are about to be replaced need not be zeroed first.
+        buffer.resize(end, 0);
+        let (buffer, start) = (&mut buffer[kept..], offset);
         let read = match &self.tail {
-            None => read_exact_at(&self.file, buffer, offset),
+            None => read_exact_at(&self.file, buffer, start),
             Some(tail) => {
-                let before = tail.start.saturating_sub(offset).min(length as u64);
+                let before = tail.start.saturating_sub(start).min(length);
                 let (head, rest) = buffer.split_at_mut(before as usize);
-                read_exact_at(&self.file, head, offset).and_then(|()| match rest {
+                read_exact_at(&self.file, head, start).and_then(|()| match rest {
                     [] => Ok(()),
-                    rest => read_exact_at(&tail.file, rest, offset + before - tail.start),
+                    rest => read_exact_at(&tail.file, rest, start + before - tail.start),
                 })
             }
         };

@@ -1,5 +1,7 @@
 //! One channel of telemetry: its messages → samples.
 
+use std::sync::Arc;
+
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::{
@@ -25,12 +27,12 @@ use crate::{
 /// far within; all zeros, or four other numbers, fall outside.
 const QUATERNION_LENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
-/// Reads samples from one channel's messages.
-#[derive(Debug)]
+/// Reads samples from one channel's messages. A clone reads others at the same time.
+#[derive(Debug, Clone)]
 pub struct ChannelSource {
-    decoder: Decoder,
+    decoder: Arc<Decoder>,
     slots: Slots,
-    roles: Vec<Role>,
+    roles: Arc<[Role]>,
     largest: LargestAngles,
 }
 
@@ -55,9 +57,9 @@ impl ChannelSource {
     /// For roles that were bound to the channel's schema, which wants these fields.
     pub fn new(schema: &Schema, wanted: &[Wanted], roles: Vec<Role>) -> Result<Self, Unresolved> {
         Ok(Self {
-            decoder: schema.decoder(wanted)?,
+            decoder: Arc::new(schema.decoder(wanted)?),
             slots: Slots::new(wanted),
-            roles,
+            roles: roles.into(),
             largest: LargestAngles::default(),
         })
     }
@@ -71,7 +73,7 @@ impl ChannelSource {
         self.slots.clear();
         let decoded = self.decoder.decode(message.payload, &mut self.slots);
         let values = self.slots.values.as_slice();
-        for role in &self.roles {
+        for role in &*self.roles {
             let sample = decoded.map_err(DropReason::from).and_then(|()| {
                 let reading = reading_for(role, values)?;
                 self.largest = self.largest.max(largest_angles(&reading.quantity, values));
@@ -85,6 +87,11 @@ impl ChannelSource {
     pub fn is_in_log_time(&self) -> bool {
         let mut readings = self.roles.iter().flat_map(|role| &role.readings);
         readings.all(|reading| matches!(reading.time, BoundTime::LogTime))
+    }
+
+    /// Takes over what a clone learnt from the messages that it read.
+    pub fn merge(&mut self, clone: &Self) {
+        self.largest = self.largest.max(clone.largest);
     }
 
     /// The largest Euler angles that were read as radians.

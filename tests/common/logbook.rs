@@ -128,9 +128,12 @@ impl Logbook {
         let (_folder, input) = self.finish();
         let log = Log::open(&input)?;
         let source = Source::select(&log, &request(profile))?;
-        let mut reader = Reader::new(&log, source);
-        let samples = reader.by_ref().collect::<Result<_, _>>()?;
-        Ok((samples, reader.finish().1))
+        let mut samples = Vec::new();
+        let (_, dropped) = Reader::new(&log, source).for_each(|sample, _| {
+            samples.push(sample);
+            Ok(())
+        })?;
+        Ok((samples, dropped))
     }
 
     /// The velocities that a profile finds in the log, in NED.

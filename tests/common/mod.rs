@@ -5,6 +5,7 @@ pub mod folder;
 pub mod inspection;
 pub mod logbook;
 pub mod message;
+pub mod numbered;
 pub mod piping;
 pub mod rewriting;
 pub mod ros;

@@ -67,10 +67,13 @@ pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), 
         source.runners_up,
         source.channel_ids(),
     );
-    let mut reader = Reader::new(log, source);
-    let samples = reader.by_ref().map(|sample| format!("{sample:?}"));
-    let mut samples: Vec<String> = samples.collect();
-    samples.push(format!("{:?}", reader.finish().1));
+    let mut samples = Vec::new();
+    let read = Reader::new(log, source).for_each(|sample, _| {
+        samples.push(format!("{sample:?}"));
+        Ok(())
+    });
+    let (_, dropped) = read.map_err(|error| error.to_string())?;
+    samples.push(format!("{dropped:?}"));
     Ok((selected, samples))
 }
 

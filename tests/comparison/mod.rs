@@ -47,10 +47,12 @@ pub fn read(log: &[u8], request: &Request) -> Result<Readings, String> {
     let log = Log::open(file.path()).map_err(|error| error.to_string())?;
     let source = Source::select(&log, request).map_err(|error| error.to_string())?;
     let profile = source.profile.name.clone();
-    let mut reader = Reader::new(&log, source);
-    let samples = reader.by_ref().collect::<Result<_, _>>();
-    let samples = samples.map_err(|error| error.to_string())?;
-    let (_, dropped) = reader.finish();
+    let mut samples = Vec::new();
+    let read = Reader::new(&log, source).for_each(|sample, _| {
+        samples.push(sample);
+        Ok(())
+    });
+    let (_, dropped) = read.map_err(|error| error.to_string())?;
     Ok(Readings {
         profile,
         samples,

@@ -1,0 +1,40 @@
+//! The message indexes that lie behind a chunk, believed as far as they say what they should.
+
+use mcap::records::{MessageIndex, MessageIndexEntry, op};
+
+use super::{
+    contents::{Segment, SegmentKind},
+    file::LogFile,
+    record::{FRAME_LENGTH, parse, split_frame},
+    summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
+};
+use crate::error::Error;
+
+/// The entries of a channel's message index; `None` where the segment has no index of that channel, or one that
+/// does not tell of as many messages as the channel has there.
+pub fn message_index(
+    file: &LogFile,
+    segment: &Segment,
+    channel_id: u16,
+) -> Result<Option<Vec<MessageIndexEntry>>, Error> {
+    let SegmentKind::Chunk { index, .. } = &segment.kind else {
+        return Ok(None);
+    };
+    let offset = index.record.message_index_offsets.get(&channel_id);
+    let count = segment.message_counts.get(&channel_id);
+    let (Some(&offset), Some(&count)) = (offset, count) else {
+        return Ok(None);
+    };
+    // So long as the count demands, whatever length the record itself claims.
+    let length = MESSAGE_INDEX_PREFIX + count * MESSAGE_INDEX_ENTRY;
+    if offset.saturating_add(length) > file.len() {
+        return Ok(None);
+    }
+    let record = file.read(offset, length)?;
+    let (frame, body) = record.split_at(FRAME_LENGTH);
+    let index = split_frame(frame)
+        .filter(|(opcode, _)| *opcode == op::MESSAGE_INDEX)
+        .and_then(|_| parse::<MessageIndex>(body).ok())
+        .filter(|index| index.channel_id == channel_id && index.records.len() as u64 == count);
+    Ok(index.map(|index| index.records))
+}

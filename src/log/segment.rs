@@ -1,0 +1,110 @@
+//! The messages of a segment.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use mcap::records::{MessageIndex, MessageIndexEntry, op};
+
+use super::{
+    Log,
+    chunk::ChunkReader,
+    contents::{Segment, SegmentKind},
+    file::LogFile,
+    picker::Picker,
+    record::{RawMessage, Records},
+};
+use crate::error::Error;
+
+/// Reads the messages of one segment after the other, reusing its buffers.
+pub struct SegmentReader<'a> {
+    file: &'a LogFile,
+    loose: Vec<u8>,
+    chunks: ChunkReader,
+    picker: Picker,
+}
+
+impl<'a> SegmentReader<'a> {
+    /// Of a log, with nothing read yet.
+    pub fn new(log: &'a Log) -> Self {
+        Self {
+            file: &log.file,
+            loose: Vec::new(),
+            chunks: ChunkReader::default(),
+            picker: Picker::default(),
+        }
+    }
+
+    /// The messages that a segment has on the wanted channels, in the order of the file.
+    ///
+    /// Of an uncompressed chunk that has message indexes no others are read, unless the wanted ones are the greater
+    /// part of it or the indexes lie. A chunk read by its indexes is not checked against its checksum, for that
+    /// takes all of its bytes.
+    ///
+    /// # Errors
+    /// The segment cannot be read or is damaged.
+    pub fn read(
+        &mut self,
+        segment: &Segment,
+        wanted: &BTreeSet<u16>,
+    ) -> Result<impl Iterator<Item = Result<RawMessage<'_>, Error>>, Error> {
+        let file = self.file;
+        let Segment { offset, length, .. } = *segment;
+        let records = match self.picker.pick(file, segment, wanted)? {
+            Some(picked) => picked,
+            None if matches!(segment.kind, SegmentKind::Loose) => {
+                file.read_into(&mut self.loose, offset, length)?;
+                Records::new(&self.loose)
+            }
+            None => self.chunks.read(file, offset, length)?.1,
+        };
+        Ok(messages(file, offset, records).filter_map(|message| {
+            let unwanted = |(_, message): &(u64, RawMessage)| !wanted.contains(&message.channel_id);
+            match message {
+                Ok(message) if unwanted(&message) => None,
+                message => Some(message.map(|(_, message)| message)),
+            }
+        }))
+    }
+
+    /// The message indexes of a chunk, made from its messages.
+    ///
+    /// # Errors
+    /// The chunk cannot be read or is damaged.
+    pub fn message_indexes(&mut self, chunk: &Segment) -> Result<Vec<MessageIndex>, Error> {
+        let (_, records) = self.chunks.read(self.file, chunk.offset, chunk.length)?;
+        let mut entries: BTreeMap<u16, Vec<MessageIndexEntry>> = BTreeMap::new();
+        for message in messages(self.file, chunk.offset, records) {
+            let (offset, message) = message?;
+            let log_time = message.log_time;
+            let of_channel = entries.entry(message.channel_id).or_default();
+            of_channel.push(MessageIndexEntry { log_time, offset });
+        }
+        Ok(entries
+            .into_iter()
+            .map(|(channel_id, mut records)| {
+                records.sort_by_key(|entry| entry.log_time);
+                MessageIndex {
+                    channel_id,
+                    records,
+                }
+            })
+            .collect())
+    }
+}
+
+/// The messages among the records of the segment that starts at `start`, each with its offset there.
+fn messages<'a>(
+    file: &'a LogFile,
+    start: u64,
+    records: Records<'a>,
+) -> impl Iterator<Item = Result<(u64, RawMessage<'a>), Error>> {
+    let malformed = move || file.corrupt(start, "what starts there holds a record that breaks off");
+    records.filter_map(move |record| match record {
+        Ok(record) if record.opcode == op::MESSAGE => Some(
+            RawMessage::parse(record.body)
+                .map(|message| (record.offset as u64, message))
+                .ok_or_else(malformed),
+        ),
+        Ok(_) => None,
+        Err(_) => Some(Err(malformed())),
+    })
+}

@@ -1,0 +1,130 @@
+//! Segments → runs of samples, on several threads.
+
+use std::{
+    collections::BTreeSet,
+    panic,
+    sync::mpsc,
+    thread::{self, available_parallelism},
+};
+
+use super::{Part, merge::merge};
+use crate::{
+    error::Error,
+    log::{Log, SegmentReader},
+    sample::{Sample, Tallies},
+    source::Source,
+};
+
+/// More threads than this would wait for the disk, or for the one that takes the samples.
+const MOST_WORKERS: usize = 4;
+
+/// Fewer bytes than this are read about as soon as threads are started.
+const WORTH_THREADS: u64 = 4 * 1024 * 1024;
+
+/// Reads the samples of one part after the other, reusing its buffers.
+struct Worker<'a> {
+    log: &'a Log,
+    segments: SegmentReader<'a>,
+    wanted: BTreeSet<u16>,
+    source: Source,
+    dropped: Tallies,
+}
+
+impl<'a> Worker<'a> {
+    fn new(log: &'a Log, source: Source) -> Self {
+        Self {
+            log,
+            segments: SegmentReader::new(log),
+            wanted: source.channel_ids(),
+            source,
+            dropped: Tallies::default(),
+        }
+    }
+
+    /// The samples of a part by their time, kind, and order in the file.
+    fn read(&mut self, part: &Part) -> Result<Vec<Sample>, Error> {
+        let &Part { start, segment } = part;
+        let mut samples = Vec::new();
+        for message in self.segments.read(segment, &self.wanted)? {
+            let message = message?;
+            if message.log_time < start {
+                return Err(self.log.file.corrupt(
+                    segment.offset,
+                    format!(
+                        "the chunk there has a message at {}, but its index says that it starts at {start}",
+                        message.log_time
+                    ),
+                ));
+            }
+            self.source.read(&message, |kind, sample| match sample {
+                Ok(sample) => samples.push(sample),
+                Err(reason) => self.dropped[kind].count_dropped(reason, 1),
+            });
+        }
+        samples.sort_by_key(|sample| (sample.stamp().log_time, sample.kind()));
+        Ok(samples)
+    }
+}
+
+/// How many workers read these parts sooner than fewer would.
+fn worthwhile_workers(parts: &[Part]) -> usize {
+    let bytes: u64 = parts.iter().map(|part| part.segment.length).sum();
+    if bytes < WORTH_THREADS {
+        return 1;
+    }
+    let cores = available_parallelism().map_or(1, |cores| cores.get());
+    cores.min(MOST_WORKERS).min(parts.len())
+}
+
+/// Reads the samples of all parts, gives them to `take` in order, and gives the source and what was dropped.
+///
+/// The workers read the parts in turn, and each goes on when its samples were taken over. So each has those of one part
+/// at most, and an error is that of the first part that has one, whoever is faster.
+pub fn read(
+    log: &Log,
+    mut source: Source,
+    parts: &[Part],
+    take: impl FnMut(Sample, u64) -> Result<(), Error>,
+) -> Result<(Source, Tallies), Error> {
+    let count = worthwhile_workers(parts);
+    if count == 1 {
+        let mut worker = Worker::new(log, source);
+        let runs = parts.iter().map(|part| worker.read(part));
+        merge(parts, runs, take)?;
+        return Ok((worker.source, worker.dropped));
+    }
+    thread::scope(|scope| {
+        let (workers, results): (Vec<_>, Vec<_>) = (0..count)
+            .map(|first| {
+                let (done, result) = mpsc::sync_channel(0);
+                let mut worker = Worker::new(log, source.clone());
+                let work = move || {
+                    for part in parts.iter().skip(first).step_by(count) {
+                        // Nobody asks any more after an error.
+                        if done.send(worker.read(part)).is_err() {
+                            break;
+                        }
+                    }
+                    worker
+                };
+                (scope.spawn(work), result)
+            })
+            .unzip();
+        // A worker that is gone before it has read its parts has panicked.
+        let runs = results
+            .iter()
+            .cycle()
+            .map_while(|result| result.recv().ok());
+        let merged = merge(parts, runs, take);
+        drop(results);
+        let mut dropped = Tallies::default();
+        for worker in workers {
+            let worker = worker
+                .join()
+                .unwrap_or_else(|panicked| panic::resume_unwind(panicked));
+            source.merge(&worker.source);
+            dropped.merge(&worker.dropped);
+        }
+        merged.map(|()| (source, dropped))
+    })
+}
