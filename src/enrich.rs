@@ -4,6 +4,7 @@ mod copying;
 mod derivation;
 mod output;
 mod passing;
+mod task;
 
 use std::{
     io::Write,
@@ -20,7 +21,7 @@ use crate::{
     options::Options,
     progress::{Watch, Watcher},
     report::Report,
-    writer::{destination::Destination, original::Original},
+    writer::{Layout, destination::Destination, original::Original},
 };
 use derivation::Derivation;
 pub use passing::{enrich_stream, enrich_stream_to_file};
@@ -54,8 +55,12 @@ pub fn enrich(
 /// Adds the camera's channels to the log in its own file, in which an earlier result is replaced.
 ///
 /// # Errors
-/// The log is as it was then. The error says what was wrong and what to do about it.
+/// The log is as it was then. The error says what was wrong and what to do about it. The interleaved layout is
+/// refused, because it leaves nothing in its place.
 pub fn enrich_in_place(log: &Path, options: &Options, watch: Watch) -> Result<Report, Error> {
+    if options.layout == Layout::Interleaved {
+        return Err(Error::InterleavedInPlace);
+    }
     let file = LogFile::open(log, Access::Change)?;
     let original = Original::of(Log::read(file)?)?;
     let derivation = Derivation::new(&original, &original.log, options)?;

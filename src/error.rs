@@ -140,6 +140,12 @@ pub enum Error {
     GimbalAndMount,
 
     #[error(
+        "--layout interleaved rewrites the whole log, so it cannot be done --in-place; \
+         write the result to a new file (-o)"
+    )]
+    InterleavedInPlace,
+
+    #[error(
         "{}: nothing can be derived from its telemetry\n{details}\n\
          check which topics and fields the profile names (--profile), and --max-gap", path.display()
     )]
@@ -312,6 +318,7 @@ impl Error {
             | Self::NoCamera
             | Self::TiltedMount
             | Self::GimbalAndMount
+            | Self::InterleavedInPlace
             | Self::InterleavedStream => true,
             _ => false,
         }

@@ -1,8 +1,9 @@
 //! Derived values → channels added to a log.
 //!
-//! The log's bytes up to the end of its data section stay as they are. Behind them come the new messages, a
-//! Metadata record that says how they were made, the log's original end as an attachment, and one summary of the
-//! whole. Nothing that the log held is lost, and all of it can be undone ([`original`]).
+//! By default they are [appended](Appender): the log's bytes up to the end of its data section stay as they are.
+//! Behind them come the new messages, a Metadata record that says how they were made, the log's original end as an
+//! attachment, and one summary of the whole. Nothing that the log held is lost, and all of it can be undone
+//! ([`original`]). Or they are [interleaved](Interleaver): among the log's chunks, for readers that use no index.
 
 pub mod destination;
 pub mod original;
@@ -12,12 +13,14 @@ mod append;
 mod channels;
 mod chunk;
 pub(crate) mod copy;
+mod interleave;
 mod section;
 mod summary;
 
 use std::collections::BTreeMap;
 
 pub use append::Appender;
+pub use interleave::Interleaver;
 use serde::Serialize;
 
 use crate::{
@@ -73,4 +76,6 @@ pub struct Written {
     pub kept: u64,
     /// Bytes of the result.
     pub length: u64,
+    /// Whether the log's data was found not to have the checksum that the log says. The result has none then.
+    pub checksum_was_wrong: bool,
 }

@@ -11,12 +11,13 @@ use std::{
     process::Command,
 };
 
-use common::{message::Said, *};
+use common::{layout::interleaved, message::Said, *};
 use flightcam::{
     Options,
     enrich::enrich,
     messages::{Encoding, EncodingChoice},
     unwatched,
+    writer::Layout,
 };
 use mcap::{Compression, records::op};
 use serde_json::Value;
@@ -71,11 +72,18 @@ fn read(reader: &[PathBuf], log: &Path, mode: &[&str]) -> (Vec<String>, Value) {
     )
 }
 
-/// Enriches a log and has every reader judge the result, through its index and as a stream from the start.
+/// Enriches a log in every layout and has every reader judge the results.
 fn have_judged(readers: &[Vec<PathBuf>; 2], input: &Path) {
+    for options in [options(), interleaved()] {
+        have_result_judged(readers, input, &options);
+    }
+}
+
+/// Has every reader judge a result, through its index and as a stream from the start.
+fn have_result_judged(readers: &[Vec<PathBuf>; 2], input: &Path, options: &Options) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("result.mcap");
-    let report = enrich(input, &output, &options(), &mut unwatched).expect("the log is enriched");
+    let report = enrich(input, &output, options, &mut unwatched).expect("the log is enriched");
     let mut expected: BTreeMap<String, u64> = BTreeMap::new();
     for topic in &report.written {
         expected.insert(topic.topic.to_owned(), topic.messages);
@@ -120,6 +128,7 @@ fn have_judged(readers: &[Vec<PathBuf>; 2], input: &Path) {
             "{} is read by its index",
             input.display()
         );
+        assert!(!loose || options.layout == Layout::Append);
         assert_eq!(
             summary["statistics"],
             summary["recount"],
@@ -127,8 +136,9 @@ fn have_judged(readers: &[Vec<PathBuf>; 2], input: &Path) {
             input.display()
         );
         let names = &summary["attachments"];
-        assert!(
+        assert_eq!(
             names.to_string().contains("flightcam/original_tail"),
+            options.layout == Layout::Append,
             "{names}"
         );
         assert!(summary["metadata"].to_string().contains("flightcam"));

@@ -2,9 +2,11 @@
 
 use std::{
     mem,
-    sync::mpsc::{self, Receiver, SyncSender},
-    thread::{self, Scope, ScopedJoinHandle},
+    sync::mpsc::{self, Receiver, SyncSender, TrySendError},
+    thread::{self, Scope, Thread},
 };
+
+use super::task::{GLANCE, Task};
 
 use crate::{
     camera::Camera,
@@ -18,7 +20,7 @@ use crate::{
     sample::Kind,
     source::Source,
     transform::Transform,
-    writer::{LogWriter, original::Original},
+    writer::{Layout, LogWriter, original::Original},
 };
 
 /// How many values are handed over at once, and how often that may happen before they must have been written.
@@ -71,8 +73,14 @@ impl<'a> Derivation<'a> {
         })
     }
 
+    /// Where the new messages are to lie.
+    pub fn layout(&self) -> Layout {
+        self.options.layout
+    }
+
     /// Reads all telemetry and hands what follows from it to the writer that `begin` makes, once there is
-    /// something to be written. `read` is told how many bytes of telemetry were read, of how many.
+    /// something to be written. `read` is told how many bytes of telemetry were read, of how many. If this fails,
+    /// `abandon` is called before the writer's thread is waited for.
     ///
     /// # Errors
     /// The log cannot be read, the writer fails, `read` does, or nothing can be derived.
@@ -80,35 +88,40 @@ impl<'a> Derivation<'a> {
         self,
         begin: impl FnOnce() -> Result<BoxedWriter<'w>, Error>,
         mut read: impl FnMut(u64, u64) -> Result<(), Error>,
+        abandon: impl FnOnce(),
     ) -> Result<(BoxedWriter<'w>, Findings<'a>, u64), Error> {
         let reader = Reader::new(self.telemetry, self.source);
         let mut transform = Transform::new(self.camera, self.options.max_gap);
         let total = reader.bytes_total();
         let (writer, source, dropped, outcome) = thread::scope(|scope| {
-            let mut begin = Some(begin);
-            let mut writing: Option<Writing> = None;
-            let mut derived = Vec::new();
-            let mut hand_over = |derived: &mut Vec<Derived>| {
-                if let Some(begin) = begin.take() {
-                    writing = Some(Writing::start(scope, begin()?));
+            let derive = || {
+                let mut begin = Some(begin);
+                let mut writing: Option<Writing> = None;
+                let mut derived = Vec::new();
+                let mut hand_over = |derived: &mut Vec<Derived>, bytes_read| {
+                    if let Some(begin) = begin.take() {
+                        writing = Some(Writing::start(scope, begin()?));
+                    }
+                    let started = writing.take().expect("it was begun");
+                    let waiting = || read(bytes_read, total);
+                    writing = Some(started.send(mem::take(derived), waiting)?);
+                    read(bytes_read, total)
+                };
+                let (source, dropped) = reader.for_each(|sample, bytes_read| {
+                    transform.push(sample, &mut derived);
+                    match derived.len() < BATCH {
+                        true => Ok(()),
+                        false => hand_over(&mut derived, bytes_read),
+                    }
+                })?;
+                if !derived.is_empty() {
+                    hand_over(&mut derived, total)?;
                 }
-                let started = writing.take().expect("it was begun");
-                writing = Some(started.send(mem::take(derived))?);
-                Ok::<_, Error>(())
+                let waiting = || read(total, total);
+                let writer = writing.map(|writing| writing.finish(waiting)).transpose()?;
+                Ok::<_, Error>((writer, source, dropped, transform.finish()))
             };
-            let (source, dropped) = reader.for_each(|sample, bytes_read| {
-                transform.push(sample, &mut derived);
-                if derived.len() < BATCH {
-                    return Ok(());
-                }
-                hand_over(&mut derived)?;
-                read(bytes_read, total)
-            })?;
-            if !derived.is_empty() {
-                hand_over(&mut derived)?;
-            }
-            let writer = writing.map(Writing::finish).transpose()?;
-            Ok::<_, Error>((writer, source, dropped, transform.finish()))
+            derive().inspect_err(|_| abandon())
         })?;
         read(total, total)?;
         let findings = Findings::new(
@@ -130,7 +143,7 @@ impl<'a> Derivation<'a> {
 /// A writer on a thread of its own, where values are encoded and compressed while others are read.
 struct Writing<'scope, 'w> {
     batches: SyncSender<Vec<Derived>>,
-    thread: ScopedJoinHandle<'scope, Result<BoxedWriter<'w>, Error>>,
+    task: Task<'scope, BoxedWriter<'w>>,
 }
 
 impl<'scope, 'w> Writing<'scope, 'w> {
@@ -139,34 +152,50 @@ impl<'scope, 'w> Writing<'scope, 'w> {
         'w: 'scope,
     {
         let (batches, received) = mpsc::sync_channel(BATCHES);
+        let reading = thread::current();
         Self {
             batches,
-            thread: scope.spawn(move || write_all(writer, received)),
+            task: Task::start(scope, move || write_all(writer, received, &reading)),
         }
     }
 
-    fn send(self, batch: Vec<Derived>) -> Result<Self, Error> {
-        match self.batches.send(batch) {
-            Ok(()) => Ok(self),
-            Err(_) => match self.finish() {
-                Err(error) => Err(error),
-                Ok(_) => unreachable!("a writer ends early only with an error"),
-            },
+    /// Hands over a batch. `waiting` is called now and then as long as there is no room for it.
+    fn send(
+        self,
+        mut batch: Vec<Derived>,
+        mut waiting: impl FnMut() -> Result<(), Error>,
+    ) -> Result<Self, Error> {
+        loop {
+            match self.batches.try_send(batch) {
+                Ok(()) => return Ok(self),
+                Err(TrySendError::Full(unsent)) => {
+                    batch = unsent;
+                    thread::park_timeout(GLANCE);
+                    waiting()?;
+                }
+                Err(TrySendError::Disconnected(_)) => match self.finish(waiting) {
+                    Err(error) => return Err(error),
+                    Ok(_) => unreachable!("a writer ends early only with an error"),
+                },
+            }
         }
     }
 
-    fn finish(self) -> Result<BoxedWriter<'w>, Error> {
+    /// The writer, when it has written everything. `waiting` is called now and then until then.
+    fn finish(self, waiting: impl FnMut() -> Result<(), Error>) -> Result<BoxedWriter<'w>, Error> {
         drop(self.batches);
-        let written = self.thread.join();
-        written.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        self.task.join(waiting)
     }
 }
 
-fn write_all(
-    mut writer: BoxedWriter,
+/// Writes what comes, and lets the thread that reads know when there is room for more.
+fn write_all<'w>(
+    mut writer: BoxedWriter<'w>,
     batches: Receiver<Vec<Derived>>,
-) -> Result<BoxedWriter, Error> {
+    reading: &Thread,
+) -> Result<BoxedWriter<'w>, Error> {
     for batch in batches {
+        reading.unpark();
         for derived in &batch {
             writer.write(derived)?;
         }

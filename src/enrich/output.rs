@@ -1,20 +1,21 @@
 //! Where the result of a run goes: to a new file, into the log itself, or to a stream.
 
-use std::{cell::OnceCell, io::Write, thread};
+use std::{cell::OnceCell, fs::File, io::Write, path::Path, sync::mpsc, thread};
 
 use super::{
-    copying::Copying,
+    copying::{Copying, flush},
     derivation::{BoxedWriter, Derivation},
+    task::{Copied, Task},
 };
 use crate::{
     error::Error,
     log::{Log, file::WriteAt, journal::Journal, stream::Named},
     progress::Watcher,
     report::Report,
-    writer::{Appender, copy::copy_data, destination::Destination},
+    writer::{Appender, Interleaver, Layout, copy::copy_data, destination::Destination},
 };
 
-/// Writes a new file, into which the log is copied while its telemetry is read.
+/// Writes a new file.
 pub fn to_new_file(
     log: &Log,
     destination: &Destination,
@@ -22,18 +23,39 @@ pub fn to_new_file(
     watcher: &Watcher,
 ) -> Result<Report, Error> {
     let failed = |source| destination.write_error(source);
+    let mut pending = None;
+    let create = || {
+        let metadata = log.file.handle().metadata().map_err(failed)?;
+        let created = destination.create(Some(metadata.permissions()))?;
+        let file = pending.insert(created).file();
+        file.try_clone().map_err(failed)
+    };
+    let report = match derivation.layout() {
+        Layout::Append => append_to_copy(log, create, destination, derivation, watcher),
+        Layout::Interleaved => interleave_to_file(log, create, destination, derivation, watcher),
+    }?;
+    pending.expect("the writer was begun").commit()?;
+    Ok(report)
+}
+
+/// Appends to a file into which the log is copied while its telemetry is read.
+fn append_to_copy(
+    log: &Log,
+    create: impl FnOnce() -> Result<File, Error>,
+    destination: &Destination,
+    derivation: Derivation,
+    watcher: &Watcher,
+) -> Result<Report, Error> {
+    let failed = |source| destination.write_error(source);
     let path = destination.path();
     let format = derivation.format.clone();
-    let mut pending = None;
     let (writer, findings) = thread::scope(|scope| {
         let copying = OnceCell::new();
         let begin = || {
-            let metadata = log.file.handle().metadata().map_err(failed)?;
-            let created = destination.create(Some(metadata.permissions()))?;
-            let file = pending.insert(created).file();
-            let started = Copying::start(scope, log, file, destination).map_err(failed)?;
+            let file = create()?;
+            let started = Copying::start(scope, log, &file, destination).map_err(failed)?;
             let _ = copying.set(started);
-            let behind = WriteAt::new(file, log.data_end).map_err(failed)?;
+            let behind = WriteAt::new(&file, log.data_end).map_err(failed)?;
             let appender = Appender::begin(log, behind, path.into(), format)?;
             Ok(Box::new(appender) as BoxedWriter)
         };
@@ -41,13 +63,71 @@ pub fn to_new_file(
             let copied = copying.get().map_or(0, Copying::done);
             watcher.bytes(copied + read, log.data_end + of)
         };
-        let (writer, findings, read) = derivation.run(begin, read)?;
+        let (writer, findings, read) = derivation.run(begin, read, || {})?;
         let copying = copying.into_inner().expect("the writer was begun");
         copying.finish(|copied| watcher.bytes(copied + read, log.data_end + read))?;
         Ok((writer, findings))
     })?;
     let written = writer.finish(findings.facts())?;
-    pending.expect("the writer was begun").commit()?;
+    Ok(findings.report(path.into(), written))
+}
+
+/// Interleaves into a file, which is brought to the disk meanwhile.
+fn interleave_to_file(
+    log: &Log,
+    create: impl FnOnce() -> Result<File, Error>,
+    destination: &Destination,
+    derivation: Derivation,
+    watcher: &Watcher,
+) -> Result<Report, Error> {
+    let failed = |source| destination.write_error(source);
+    let (more, to_flush) = mpsc::sync_channel(1);
+    thread::scope(|scope| {
+        let mut flusher = None;
+        let create = || {
+            let file = create()?;
+            let flushed = file.try_clone().map_err(failed)?;
+            let flush = move || flush(&flushed, &to_flush).map_err(failed);
+            flusher = Some(Task::start(scope, flush));
+            Ok(file)
+        };
+        let copied = move || _ = more.try_send(());
+        let report = interleave(log, create, copied, destination.path(), derivation, watcher)?;
+        flusher.expect("the writer was begun").join(|| Ok(()))?;
+        Ok(report)
+    })
+}
+
+/// Writes the log anew, with the new messages in it, into what `create` makes. `more` is called whenever more of
+/// the log is there.
+fn interleave<W: Write + Send>(
+    log: &Log,
+    create: impl FnOnce() -> Result<W, Error>,
+    more: impl Fn() + Send,
+    path: &Path,
+    derivation: Derivation,
+    watcher: &Watcher,
+) -> Result<Report, Error> {
+    let format = derivation.format.clone();
+    let copied = Copied::default();
+    let abandon = || copied.abandon();
+    let begin = || {
+        let copied = &copied;
+        let copied = Box::new(move |done| {
+            more();
+            copied.tell(done)
+        });
+        let interleaver = Interleaver::begin(log, create()?, path.into(), format, copied)?;
+        Ok(Box::new(interleaver) as BoxedWriter)
+    };
+    let tell = |read, of| watcher.bytes(copied.bytes() + read, log.data_end + of);
+    let (writer, findings, read) = derivation.run(begin, tell, abandon)?;
+    let facts = findings.facts();
+    let written = thread::scope(|scope| {
+        let finishing = Task::start(scope, || writer.finish(facts));
+        let written = finishing.join(|| tell(read, read));
+        written.inspect_err(|_| abandon())
+    })?;
     Ok(findings.report(path.into(), written))
 }
 
@@ -78,14 +158,15 @@ fn change<'a>(
         let appender = Appender::begin(log, end, path.into(), format)?;
         Ok(Box::new(appender) as BoxedWriter)
     };
-    let (writer, findings, _) = derivation.run(begin, |read, of| watcher.bytes(read, of))?;
+    let tell = |read, of| watcher.bytes(read, of);
+    let (writer, findings, _) = derivation.run(begin, tell, || {})?;
     let written = writer.finish(findings.facts())?;
     let journal = journal.as_ref().expect("the writer was begun");
     journal.commit(written.length, &mut |step| watcher.step(step))?;
     Ok(findings.report(path.into(), written))
 }
 
-/// Writes to a stream, which gets the log first.
+/// Writes to a stream, which in the layout `append` gets the log first.
 pub fn to_stream(
     log: &Log,
     output: Named<impl Write + Send>,
@@ -93,6 +174,9 @@ pub fn to_stream(
     watcher: &Watcher,
 ) -> Result<Report, Error> {
     let Named { name, mut stream } = output;
+    if derivation.layout() == Layout::Interleaved {
+        return interleave(log, || Ok(stream), || {}, name, derivation, watcher);
+    }
     let failed = |source| Error::io("cannot write the output", name, source);
     let format = derivation.format.clone();
     let begin = || {
@@ -102,7 +186,7 @@ pub fn to_stream(
         Ok(Box::new(appender) as BoxedWriter)
     };
     let read = |read, of| watcher.bytes(log.data_end + read, log.data_end + of);
-    let (writer, findings, _) = derivation.run(begin, read)?;
+    let (writer, findings, _) = derivation.run(begin, read, || {})?;
     let written = writer.finish(findings.facts())?;
     Ok(findings.report(name.into(), written))
 }
@@ -122,7 +206,7 @@ pub fn behind(
         let appender = Appender::begin(log, output.stream, name.into(), format)?;
         Ok(Box::new(appender) as BoxedWriter)
     };
-    let (writer, findings, _) = derivation.run(begin, |read, of| watcher.bytes(read, of))?;
+    let (writer, findings, _) = derivation.run(begin, |read, of| watcher.bytes(read, of), || {})?;
     let written = writer.finish(findings.facts())?;
     Ok(findings.report(name.into(), written))
 }

@@ -130,6 +130,18 @@ where
         let body = serialize(&record);
         Self { record, body }
     }
+
+    /// Changes what the bytes say. What a later version of the format appended stays.
+    pub fn change(&mut self, change: impl FnOnce(&mut T)) {
+        let mut known = Cursor::new(&self.body);
+        let appended = match T::read_le(&mut known) {
+            Ok(_) => self.body.split_off(known.position() as usize),
+            Err(_) => Vec::new(),
+        };
+        change(&mut self.record);
+        self.body = serialize(&self.record);
+        self.body.extend(appended);
+    }
 }
 
 /// Reads a record's body.

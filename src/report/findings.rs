@@ -229,6 +229,10 @@ impl<'a> Findings<'a> {
         });
         let undecodable = (self.undecodable() > 0)
             .then(|| "some messages do not decode as their schema says".to_owned());
+        let unsure = written.checksum_was_wrong.then(|| {
+            "the log's data does not have the checksum that the log says it has; the result has none"
+                .to_owned()
+        });
         let gimbal = self.source.role(Kind::Gimbal);
         let ignored = gimbal.filter(|_| self.gimbal.is_none()).map(|gimbal| {
             let (given, camera) = match self.camera {
@@ -259,6 +263,7 @@ impl<'a> Findings<'a> {
             end,
             loose,
             undecodable,
+            unsure,
             ignored,
             elsewhere,
             suspicion,

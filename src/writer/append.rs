@@ -1,12 +1,13 @@
 //! Appending to a log: new messages, provenance, the original's end, summary.
 
 use std::{
+    borrow::Cow,
     collections::BTreeMap,
     io::{self, Write},
     path::PathBuf,
 };
 
-use mcap::records::{AttachmentHeader, ChunkIndex};
+use mcap::records::AttachmentHeader;
 
 use super::{
     Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, original, provenance,
@@ -15,12 +16,12 @@ use super::{
 use crate::{
     derived::Derived,
     error::Error,
-    log::{Log, SegmentReader, contents::SegmentKind},
+    log::{
+        Log, SegmentReader,
+        contents::{Contents, SegmentKind},
+    },
     messages::Format,
 };
-
-/// Bytes of a new chunk before compression: so few that a viewer that seeks loads little.
-const CHUNK_SIZE: usize = 1024 * 1024;
 
 /// Appends new channels to a log.
 pub struct Appender<'a, W> {
@@ -32,8 +33,8 @@ pub struct Appender<'a, W> {
     tail: Vec<u8>,
     channels: NewChannels<'a>,
     batch: Batch,
-    /// The chunk indexes of chunks that had no message indexes until now, by the chunks' offsets.
-    reindexed: BTreeMap<u64, ChunkIndex>,
+    /// What the log holds, with the message indexes that its chunks lacked.
+    contents: Cow<'a, Contents>,
 }
 
 impl<'a, W: Write> Appender<'a, W> {
@@ -51,7 +52,7 @@ impl<'a, W: Write> Appender<'a, W> {
             path,
             channels: NewChannels::new(log, format),
             batch: Batch::default(),
-            reindexed: BTreeMap::new(),
+            contents: Cow::Borrowed(&log.contents),
         };
         if !log.contents.has_loose_messages() {
             appender.write_missing_indexes()?;
@@ -64,10 +65,10 @@ impl<W: Write> LogWriter for Appender<'_, W> {
     fn write(&mut self, derived: &Derived) -> Result<(), Error> {
         self.channels
             .push(derived, &mut self.batch, &mut self.section.added)?;
-        if self.batch.records().len() < CHUNK_SIZE {
-            return Ok(());
+        match self.batch.is_full() {
+            true => self.write_batch(),
+            false => Ok(()),
         }
-        self.write_batch()
     }
 
     fn finish(mut self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, Error> {
@@ -78,7 +79,7 @@ impl<W: Write> LogWriter for Appender<'_, W> {
             path,
             mut section,
             tail,
-            reindexed,
+            contents,
             ..
         } = *self;
         let record = provenance::record(messages.keys().copied(), Layout::Append, facts);
@@ -93,16 +94,14 @@ impl<W: Write> LogWriter for Appender<'_, W> {
         let (length, added) = section
             .write_metadata(&record)
             .and_then(|()| section.write_attachment(attachment, &tail))
-            .and_then(|()| {
-                section
-                    .finish(|added, start| summary::encode(&log.contents, added, &reindexed, start))
-            })
+            .and_then(|()| section.finish(|added, start| summary::encode(&contents, added, start)))
             .map_err(|source| write_error(&path, source))?;
         Ok(Written {
             messages,
             times: added.times,
             kept: log.data_end,
             length,
+            checksum_was_wrong: false,
         })
     }
 }
@@ -121,19 +120,22 @@ impl<W: Write> Appender<'_, W> {
     /// Writes the message indexes that the log's chunks lack, without which a seeking reader refuses a chunk.
     fn write_missing_indexes(&mut self) -> Result<(), Error> {
         let mut reader = SegmentReader::new(self.log);
-        for segment in &self.log.contents.segments {
+        for (number, segment) in self.log.contents.segments.iter().enumerate() {
             if let SegmentKind::Chunk {
                 index,
                 is_indexed: false,
             } = &segment.kind
             {
                 let indexes = reader.message_indexes(segment)?;
-                let mut bytes = Vec::new();
+                let mut index = index.clone();
                 let position = self.section.position();
-                let chunk = summary::encode_message_indexes(index, &indexes, position, &mut bytes);
+                let bytes = summary::encode_message_indexes(&mut index, &indexes, position);
                 let written = self.section.write(&bytes);
                 written.map_err(|source| write_error(&self.path, source))?;
-                self.reindexed.insert(segment.offset, chunk);
+                self.contents.to_mut().segments[number].kind = SegmentKind::Chunk {
+                    index,
+                    is_indexed: true,
+                };
             }
         }
         Ok(())

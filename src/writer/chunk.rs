@@ -9,6 +9,9 @@ use crate::log::record::{push_record, serialize};
 /// What MCAP calls the compression of new chunks.
 const COMPRESSION: &str = "zstd";
 
+/// Bytes of a new chunk before compression: so few that a viewer that seeks loads little.
+const FULL: usize = 1024 * 1024;
+
 /// Records that belong into one chunk, or, where a log must have none, behind one another in its data section.
 #[derive(Debug, Default)]
 pub struct Batch {
@@ -31,6 +34,11 @@ impl Batch {
     /// The records, as they will lie in the file.
     pub fn records(&self) -> &[u8] {
         &self.records
+    }
+
+    /// Whether it is time to write it.
+    pub fn is_full(&self) -> bool {
+        self.records.len() >= FULL
     }
 
     /// Log times of the earliest and the latest message.

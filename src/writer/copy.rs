@@ -1,33 +1,54 @@
 //! Copying a log's data.
 
-use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::{
+    io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write},
+    ops::Range,
+};
 
-use crate::{error::Error, log::Log};
+use crate::{
+    error::Error,
+    log::{Log, file::LogFile},
+};
 
 /// How much is copied between two looks at whether to go on.
 const STEP: u64 = 16 * 1024 * 1024;
 
 /// What is in memory of a log that the system cannot copy by itself.
-const BUFFER: usize = 1024 * 1024;
+const BUFFER: u64 = 1024 * 1024;
 
-/// Copies a log's bytes up to its data section's end. Between files the system does so without the bytes passing
-/// through this program, and without copying them at all where the file system can share them.
+/// Copies a log's bytes up to its data section's end, as [`copy_range`] does.
 ///
 /// # Errors
-/// `copied`, which is told now and then how many bytes there are, says so; or reading or writing fails, which
-/// `failed` makes an error of.
+/// Those of [`copy_range`].
 pub fn copy_data(
     log: &Log,
     output: &mut impl Write,
     failed: impl Fn(io::Error) -> Error,
+    copied: impl FnMut(u64) -> Result<(), Error>,
+) -> Result<(), Error> {
+    copy_range(&log.file, 0..log.data_end, output, failed, copied)
+}
+
+/// Copies some of the bytes that a log's file itself has. Between files the system does so without the bytes
+/// passing through this program, and without copying them at all where the file system can share them.
+///
+/// # Errors
+/// `copied`, which is told now and then up to where the bytes are copied, says so; or reading or writing fails,
+/// which `failed` makes an error of.
+pub fn copy_range(
+    log: &LogFile,
+    range: Range<u64>,
+    output: &mut impl Write,
+    failed: impl Fn(io::Error) -> Error,
     mut copied: impl FnMut(u64) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let mut input = log.file.handle();
-    input.seek(SeekFrom::Start(0)).map_err(&failed)?;
-    let mut done = 0;
-    while done < log.data_end {
-        let step = input.take(STEP.min(log.data_end - done));
-        let mut step = BufReader::with_capacity(BUFFER, step);
+    let mut input = log.handle();
+    input.seek(SeekFrom::Start(range.start)).map_err(&failed)?;
+    let mut done = range.start;
+    while done < range.end {
+        let step = STEP.min(range.end - done);
+        let buffer = BUFFER.min(step);
+        let mut step = BufReader::with_capacity(buffer as usize, input.take(step));
         done += match io::copy(&mut step, output).map_err(&failed)? {
             0 => {
                 return Err(failed(io::Error::new(

@@ -3,14 +3,26 @@
 use std::{
     collections::BTreeMap,
     io::{self, Write},
+    ops::Range,
 };
+
+use crc32fast::Hasher;
 
 use mcap::records::{
     AttachmentHeader, AttachmentIndex, ChunkIndex, DataEnd, Metadata, MetadataIndex, op,
 };
 
-use super::chunk::Batch;
-use crate::log::record::{push_record, serialize};
+use super::{chunk::Batch, copy::copy_range};
+use crate::{
+    error::Error,
+    log::{
+        file::LogFile,
+        record::{push_record, serialize},
+    },
+};
+
+/// What is in memory of a log whose bytes pass through this program.
+const PIECE: u64 = 1024 * 1024;
 
 /// What was added to a data section.
 #[derive(Debug, Default)]
@@ -36,7 +48,7 @@ pub struct Section<W> {
     out: W,
     position: u64,
     /// Of the section so far, where it is to have a checksum.
-    crc: Option<crc32fast::Hasher>,
+    crc: Option<Hasher>,
     compressor: zstd::bulk::Compressor<'static>,
     /// What was added.
     pub added: Added,
@@ -51,7 +63,7 @@ impl<W: Write> Section<W> {
         Ok(Self {
             out,
             position,
-            crc: crc.map(crc32fast::Hasher::new_with_initial),
+            crc: crc.map(Hasher::new_with_initial),
             compressor: zstd::bulk::Compressor::new(zstd::DEFAULT_COMPRESSION_LEVEL)?,
             added: Added::default(),
         })
@@ -72,17 +84,64 @@ impl<W: Write> Section<W> {
         Ok(())
     }
 
+    /// Takes over some of the bytes that a log's file itself has, and gives their checksum if the section is to
+    /// have one; if not, the system can copy them by itself.
+    ///
+    /// # Errors
+    /// `copied`, which is told now and then up to where the bytes are copied, says so; the log cannot be read; or
+    /// the output cannot be written, which `failed` makes an error of.
+    pub fn copy(
+        &mut self,
+        log: &LogFile,
+        range: Range<u64>,
+        failed: impl Fn(io::Error) -> Error,
+        mut copied: impl FnMut(u64) -> Result<(), Error>,
+    ) -> Result<Option<Hasher>, Error> {
+        let length = range.end - range.start;
+        let Some(crc) = &mut self.crc else {
+            copy_range(log, range, &mut self.out, failed, copied)?;
+            self.position += length;
+            return Ok(None);
+        };
+        let mut crc_of_range = Hasher::new();
+        let mut piece = Vec::new();
+        let mut done = range.start;
+        while done < range.end {
+            let step = PIECE.min(range.end - done);
+            log.read_into(&mut piece, done, step)?;
+            crc_of_range.update(&piece);
+            self.out.write_all(&piece).map_err(&failed)?;
+            done += step;
+            copied(done)?;
+        }
+        crc.combine(&crc_of_range);
+        self.position += length;
+        Ok(Some(crc_of_range))
+    }
+
+    /// The section shall have no checksum after all.
+    pub fn drop_checksum(&mut self) {
+        self.crc = None;
+    }
+
     /// Writes a batch as a chunk with its message indexes, and empties it. One without messages is left out.
     pub fn write_chunk(&mut self, batch: &mut Batch) -> io::Result<()> {
         if batch.times().is_none() {
             return Ok(());
         }
-        let chunk = batch.compress(self.position, &mut self.compressor)?;
-        self.write(&chunk.bytes)?;
-        self.added.chunk_indexes.push(chunk.index);
+        let index = self.write_gathered(batch)?;
+        self.added.chunk_indexes.push(index);
         self.count(batch);
         batch.clear();
         Ok(())
+    }
+
+    /// Writes a batch as a chunk with its message indexes; that of messages which the log itself has, so that they
+    /// are not counted as added.
+    pub fn write_gathered(&mut self, batch: &Batch) -> io::Result<ChunkIndex> {
+        let chunk = batch.compress(self.position, &mut self.compressor)?;
+        self.write(&chunk.bytes)?;
+        Ok(chunk.index)
     }
 
     /// Writes a batch as records outside chunks, and empties it.
@@ -133,7 +192,7 @@ impl<W: Write> Section<W> {
         summarise: impl FnOnce(&Added, u64) -> Vec<u8>,
     ) -> io::Result<(u64, Added)> {
         let data_end = DataEnd {
-            data_section_crc: self.crc.take().map_or(0, crc32fast::Hasher::finalize),
+            data_section_crc: self.crc.take().map_or(0, Hasher::finalize),
         };
         let mut end = Vec::new();
         push_record(&mut end, op::DATA_END, &serialize(&data_end));

@@ -12,15 +12,9 @@ use crate::log::{
 
 /// Everything behind the data section's end at `start`: the summary, its offsets, the footer and the magic.
 ///
-/// Records of the log's own summary are written as the bytes that they were, so that fields which a later
-/// version of the format appended to them survive. `reindexed` are the chunk indexes of chunks that had no
-/// message indexes until now, by the chunks' offsets.
-pub fn encode(
-    contents: &Contents,
-    added: &Added,
-    reindexed: &BTreeMap<u64, ChunkIndex>,
-    start: u64,
-) -> Vec<u8> {
+/// `contents` is what the log held, where that lies now. Its records are written as the bytes that they are, so
+/// that fields which a later version of the format appended to them survive.
+pub fn encode(contents: &Contents, added: &Added, start: u64) -> Vec<u8> {
     let mut groups = Groups {
         start,
         bytes: Vec::new(),
@@ -48,14 +42,15 @@ pub fn encode(
             .segments
             .iter()
             .filter_map(|segment| match &segment.kind {
-                SegmentKind::Chunk { index, .. } => Some(match reindexed.get(&segment.offset) {
-                    Some(reindexed) => serialize(reindexed),
-                    None => index.body.clone(),
-                }),
+                SegmentKind::Chunk { index, .. } => {
+                    Some((index.record.chunk_start_offset, index.body.clone()))
+                }
                 SegmentKind::Loose => None,
             });
-        let new_chunks = added.chunk_indexes.iter().map(serialize);
-        groups.push(op::CHUNK_INDEX, chunks.chain(new_chunks));
+        let new_chunks =
+            (added.chunk_indexes.iter()).map(|index| (index.chunk_start_offset, serialize(index)));
+        let in_order: BTreeMap<u64, Vec<u8>> = chunks.chain(new_chunks).collect();
+        groups.push(op::CHUNK_INDEX, in_order.into_values());
     }
 
     let attachments = contents.attachments.iter().map(|index| index.body.clone());
@@ -76,24 +71,23 @@ pub fn encode(
     groups.finish()
 }
 
-/// Where the new message indexes of a chunk lie, put into its chunk index. `position` is where the first of
-/// them goes; they are appended to `out`.
+/// New message indexes of a chunk that go to `position`, and put into its chunk index where they lie.
 pub fn encode_message_indexes(
-    chunk: &Raw<ChunkIndex>,
+    chunk: &mut Raw<ChunkIndex>,
     indexes: &[MessageIndex],
     position: u64,
-    out: &mut Vec<u8>,
-) -> ChunkIndex {
-    let mut chunk = chunk.record.clone();
-    chunk.message_index_offsets.clear();
-    let before = out.len();
+) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut offsets = BTreeMap::new();
     for index in indexes {
-        let offset = position + (out.len() - before) as u64;
-        chunk.message_index_offsets.insert(index.channel_id, offset);
-        push_record(out, op::MESSAGE_INDEX, &serialize(index));
+        offsets.insert(index.channel_id, position + bytes.len() as u64);
+        push_record(&mut bytes, op::MESSAGE_INDEX, &serialize(index));
     }
-    chunk.message_index_length = (out.len() - before) as u64;
-    chunk
+    chunk.change(|chunk| {
+        chunk.message_index_offsets = offsets;
+        chunk.message_index_length = bytes.len() as u64;
+    });
+    bytes
 }
 
 fn merge_statistics(contents: &Contents, added: &Added) -> Statistics {

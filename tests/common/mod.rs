@@ -3,6 +3,7 @@
 
 pub mod folder;
 pub mod inspection;
+pub mod layout;
 pub mod logbook;
 pub mod message;
 pub mod numbered;

@@ -1,0 +1,285 @@
+//! Interleaving: behind each of a log's chunks what was derived from its time, for readers that use no index.
+//!
+//! The log's data is cut into pieces where its segments begin: the first piece is what lies before them all, every
+//! other one is a segment and what follows it. A value goes behind the pieces that hold anything as early as it is,
+//! and before all others, so that where the log is in time order so is the result. Values come in time order, so
+//! the pieces are copied as their times pass, and nothing has to be held.
+
+use std::{
+    collections::BTreeMap,
+    io::{self, Write},
+    ops::Range,
+    path::PathBuf,
+};
+
+use crc32fast::Hasher;
+use mcap::records::ChunkIndex;
+
+use super::{
+    Layout, LogWriter, Written, append::write_error, channels::NewChannels, chunk::Batch,
+    provenance, section::Section, summary,
+};
+use crate::{
+    derived::Derived,
+    error::Error,
+    log::{
+        Log, SegmentReader,
+        contents::{Contents, Segment, SegmentKind},
+        record::{Raw, RawMessage, Records},
+    },
+    messages::Format,
+};
+
+/// Writes a log anew, with new channels among its chunks. All of its messages will lie in chunks.
+pub struct Interleaver<'a, W> {
+    log: &'a Log,
+    /// What is written to, for errors.
+    path: PathBuf,
+    section: Section<W>,
+    channels: NewChannels<'a>,
+    batch: Batch,
+    /// The pieces to come: of each the earliest time that it or one behind it has.
+    starts: Vec<u64>,
+    /// How many pieces are written.
+    written: usize,
+    /// What the log holds; of what is written, where it lies now.
+    contents: Contents,
+    moves: Moves,
+    /// Of the log's bytes so far, where it says what it should be.
+    checksum: Option<Hasher>,
+    reader: SegmentReader<'a>,
+    copied: Copied<'a>,
+}
+
+/// Is told up to where the log is written, and says whether to go on.
+pub type Copied<'a> = Box<dyn FnMut(u64) -> Result<(), Error> + Send + 'a>;
+
+impl<'a, W: Write> Interleaver<'a, W> {
+    /// Begins a log in `out`. The new messages will be in the `format`; errors call what is written to `path`.
+    ///
+    /// # Errors
+    /// The output cannot be written.
+    pub fn begin(
+        log: &'a Log,
+        out: W,
+        path: PathBuf,
+        format: Format,
+        copied: Copied<'a>,
+    ) -> Result<Self, Error> {
+        let section = Section::new(out, 0, log.data_crc.map(|_| 0));
+        Ok(Self {
+            section: section.map_err(|source| write_error(&path, source))?,
+            path,
+            channels: NewChannels::new(log, format),
+            batch: Batch::default(),
+            starts: starts(&log.contents.segments),
+            written: 0,
+            contents: log.contents.clone(),
+            moves: Moves::default(),
+            checksum: log.data_crc.map(|_| Hasher::new()),
+            reader: SegmentReader::new(log),
+            copied,
+            log,
+        })
+    }
+}
+
+impl<W: Write> LogWriter for Interleaver<'_, W> {
+    fn write(&mut self, derived: &Derived) -> Result<(), Error> {
+        while let Some(&start) = self.starts.get(self.written)
+            && start <= derived.stamp.log_time
+        {
+            self.write_batch()?;
+            self.write_piece()?;
+        }
+        self.channels
+            .push(derived, &mut self.batch, &mut self.section.added)?;
+        match self.batch.is_full() {
+            true => self.write_batch(),
+            false => Ok(()),
+        }
+    }
+
+    fn finish(mut self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, Error> {
+        self.write_batch()?;
+        while self.written < self.starts.len() {
+            self.write_piece()?;
+        }
+        let messages = self.channels.messages();
+        let Self {
+            log,
+            path,
+            mut section,
+            mut contents,
+            moves,
+            checksum,
+            ..
+        } = *self;
+        // A right checksum would make damaged data look whole.
+        let checksum_was_wrong = checksum.map(Hasher::finalize) != log.data_crc;
+        if checksum_was_wrong {
+            section.drop_checksum();
+        }
+        for index in &mut contents.attachments {
+            index.change(|index| index.offset = moves.of(index.offset));
+        }
+        for index in &mut contents.metadata {
+            index.change(|index| index.offset = moves.of(index.offset));
+        }
+        contents.statistics = contents.recount();
+        let record = provenance::record(messages.keys().copied(), Layout::Interleaved, facts);
+        let (length, added) = section
+            .write_metadata(&record)
+            .and_then(|()| section.finish(|added, start| summary::encode(&contents, added, start)))
+            .map_err(|source| write_error(&path, source))?;
+        Ok(Written {
+            messages,
+            times: added.times,
+            kept: moves.length(),
+            length,
+            checksum_was_wrong,
+        })
+    }
+}
+
+impl<W: Write> Interleaver<'_, W> {
+    fn write_batch(&mut self) -> Result<(), Error> {
+        let written = self.section.write_chunk(&mut self.batch);
+        written.map_err(|source| self.failed(source))
+    }
+
+    /// Writes the next piece.
+    fn write_piece(&mut self) -> Result<(), Error> {
+        let segments = &self.log.contents.segments;
+        let (number, next) = (self.written.checked_sub(1), segments.get(self.written));
+        let end = next.map_or(self.log.data_end, |next| next.offset);
+        let rest = match number {
+            None => 0,
+            Some(number) => self.write_segment(number)?,
+        };
+        self.copy(rest..end)?;
+        self.written += 1;
+        Ok(())
+    }
+
+    /// Writes what of a segment cannot stay as it is; gives where that begins which can.
+    fn write_segment(&mut self, number: usize) -> Result<u64, Error> {
+        let segment = &self.log.contents.segments[number];
+        let position = self.section.position();
+        let end = segment.offset + segment.length;
+        let (index, rest) = match &segment.kind {
+            SegmentKind::Chunk { index, is_indexed } => {
+                let mut index = index.clone();
+                index.change(|index| {
+                    index.chunk_start_offset = position;
+                    for offset in index.message_index_offsets.values_mut() {
+                        *offset = *offset - segment.offset + position;
+                    }
+                });
+                match is_indexed {
+                    true => (index, segment.offset),
+                    false => {
+                        self.copy(segment.offset..end)?;
+                        self.write_indexes(segment, &mut index)?;
+                        (index, end)
+                    }
+                }
+            }
+            SegmentKind::Loose => (Raw::new(self.gather(segment)?), end),
+        };
+        let written = &mut self.contents.segments[number];
+        written.offset = index.record.chunk_start_offset;
+        written.length = index.record.chunk_length;
+        written.kind = SegmentKind::Chunk {
+            index,
+            is_indexed: true,
+        };
+        Ok(rest)
+    }
+
+    /// Writes the message indexes that a chunk lacks, without which a seeking reader refuses it.
+    fn write_indexes(&mut self, chunk: &Segment, index: &mut Raw<ChunkIndex>) -> Result<(), Error> {
+        let indexes = self.reader.message_indexes(chunk)?;
+        let position = self.section.position();
+        let bytes = summary::encode_message_indexes(index, &indexes, position);
+        let written = self.section.write(&bytes);
+        written.map_err(|source| self.failed(source))
+    }
+
+    /// Writes messages that lay outside chunks as a chunk.
+    fn gather(&mut self, run: &Segment) -> Result<ChunkIndex, Error> {
+        let file = &self.log.file;
+        let bytes = file.read(run.offset, run.length)?;
+        if let Some(checksum) = &mut self.checksum {
+            checksum.update(&bytes);
+        }
+        let malformed = || file.corrupt(run.offset, "what starts there is not a run of messages");
+        let mut gathered = Batch::default();
+        for record in Records::new(&bytes) {
+            let body = record.map_err(|_| malformed())?.body;
+            let message = RawMessage::parse(body).ok_or_else(malformed)?;
+            gathered.push_message(message.channel_id, message.log_time, body);
+        }
+        let written = self.section.write_gathered(&gathered);
+        let index = written.map_err(|source| self.failed(source))?;
+        (self.copied)(run.offset + run.length)?;
+        Ok(index)
+    }
+
+    /// Takes over bytes of the log as they are.
+    fn copy(&mut self, range: Range<u64>) -> Result<(), Error> {
+        self.moves.push(range.clone(), self.section.position());
+        let failed = |source| write_error(&self.path, source);
+        let copied = |done| (self.copied)(done);
+        let copied = self.section.copy(&self.log.file, range, failed, copied)?;
+        if let (Some(checksum), Some(copied)) = (&mut self.checksum, copied) {
+            checksum.combine(&copied);
+        }
+        Ok(())
+    }
+
+    fn failed(&self, source: io::Error) -> Error {
+        write_error(&self.path, source)
+    }
+}
+
+/// Of each piece of a log with these segments: the earliest time that it or one behind it has.
+fn starts(segments: &[Segment]) -> Vec<u64> {
+    let mut earliest = u64::MAX;
+    let mut starts: Vec<u64> = (segments.iter().rev())
+        .map(|segment| {
+            earliest = earliest.min(segment.times.map_or(u64::MAX, |(start, _)| start));
+            earliest
+        })
+        .collect();
+    // Nothing goes before the log's header.
+    starts.push(0);
+    starts.reverse();
+    starts
+}
+
+/// Where bytes of the log went that stayed as they were.
+#[derive(Default)]
+struct Moves(Vec<(Range<u64>, u64)>);
+
+impl Moves {
+    /// Ranges come in their order, the first of them from 0 on.
+    fn push(&mut self, range: Range<u64>, position: u64) {
+        self.0.push((range, position));
+    }
+
+    /// Where the byte went that had been at `offset`, which is in one of the ranges.
+    fn of(&self, offset: u64) -> u64 {
+        let behind = self.0.partition_point(|(range, _)| range.start <= offset);
+        let (range, position) = &self.0[behind - 1];
+        position + (offset - range.start)
+    }
+
+    /// How many bytes there are.
+    fn length(&self) -> u64 {
+        self.0
+            .iter()
+            .map(|(range, _)| range.end - range.start)
+            .sum()
+    }
+}
