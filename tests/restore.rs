@@ -213,7 +213,8 @@ fn an_attachment_that_is_larger_than_it_says_is_not_uncompressed() {
     let folder = Folder::with(LOG, enriched);
     // In blocks of 512 bytes: a file may not be longer than the log.
     let limit = folder.read(LOG).len() / 512;
-    let (_, err) = folder.run_limited(limit, &format!("restore {LOG}"), 1);
+    let (code, _, err) = folder.run_limited(limit, &format!("restore {LOG}"));
+    assert_eq!(code, 1);
     assert_reads(&err, &format!("error: {LOG}: cannot be restored: {OTHER}"));
 }
 

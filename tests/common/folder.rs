@@ -1,6 +1,12 @@
 //! A folder in which the program is run as a user would, and what must hold of every run.
 
-use std::{collections::BTreeMap, fs, path::PathBuf, process::Command, time::SystemTime};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    time::SystemTime,
+};
 
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
@@ -33,6 +39,15 @@ impl Folder {
             LOG,
             fs::read(super::repository("fixtures/survey_flight.mcap")).unwrap(),
         )
+    }
+
+    /// With all that lies in another folder.
+    pub fn copy_of(other: &Path) -> Self {
+        let folder = Self::new();
+        for entry in fs::read_dir(other).unwrap().flatten() {
+            fs::copy(entry.path(), folder.0.path().join(entry.file_name())).unwrap();
+        }
+        folder
     }
 
     pub fn add(&self, name: &str, content: impl AsRef<[u8]>) {
@@ -78,33 +93,39 @@ impl Folder {
         contents
     }
 
+    /// Everything in the folder and below by its checksum, whenever it was written.
+    pub fn checksums(&self) -> BTreeMap<PathBuf, Option<u32>> {
+        let checksum = |(path, print): (_, Fingerprint)| (path, print.map(|(_, _, crc)| crc));
+        self.contents().into_iter().map(checksum).collect()
+    }
+
     /// Runs the program with arguments separated by spaces, and expects an exit code. Gives standard output and
     /// standard error.
     #[track_caller]
     pub fn run(&self, arguments: &str, code: i32) -> (String, String) {
         let mut command = Command::new(cargo_bin!("flightcam"));
         command.args(arguments.split_whitespace());
-        self.expect(command, code)
+        let output = self.output(command);
+        let (out, err) = (text(output.stdout), text(output.stderr));
+        assert_eq!(output.status.code(), Some(code), "{arguments}\n{out}{err}");
+        (out, err)
     }
 
-    /// As [`run`](Self::run), where no file may become longer than so many blocks of 512 bytes.
-    #[track_caller]
+    /// Runs the program where no file may become longer than so many blocks of 512 bytes. Gives the exit code,
+    /// standard output and standard error.
     #[cfg(unix)]
-    pub fn run_limited(&self, blocks: usize, arguments: &str, code: i32) -> (String, String) {
+    pub fn run_limited(&self, blocks: usize, arguments: &str) -> (i32, String, String) {
         let mut command = Command::new("sh");
         let script = format!("ulimit -f {blocks} && exec \"$0\" {arguments}");
         command.arg("-c").arg(script).arg(cargo_bin!("flightcam"));
-        self.expect(command, code)
+        let output = self.output(command);
+        let code = output.status.code().expect("it ends by itself");
+        (code, text(output.stdout), text(output.stderr))
     }
 
-    #[track_caller]
-    fn expect(&self, mut command: Command, code: i32) -> (String, String) {
+    fn output(&self, mut command: Command) -> Output {
         command.current_dir(&self.0).env_remove("CLICOLOR_FORCE");
-        let output = command.output().unwrap();
-        let out = String::from_utf8(output.stdout).unwrap();
-        let err = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(code), "{command:?}\n{out}{err}");
-        (out, err)
+        command.output().unwrap()
     }
 
     /// Runs the program, which must refuse: with this exit code and this message on standard error, nothing on
@@ -152,6 +173,10 @@ impl Folder {
         let json = self.writes(RESULT, &format!("{arguments} --json"), code);
         serde_json::from_str(&json).expect("standard output is one JSON document")
     }
+}
+
+fn text(output: Vec<u8>) -> String {
+    String::from_utf8(output).unwrap()
 }
 
 /// Checks that a text has all parts of an abridged one, in which `…` stands for anything.

@@ -12,6 +12,7 @@ pub mod rewriting;
 pub mod ros;
 pub mod selecting;
 pub mod shapes;
+pub mod small_disk;
 pub mod telemetry;
 pub mod topics;
 

@@ -65,7 +65,7 @@ pub fn with_zeros_at_the_end() -> Vec<u8> {
 pub fn long_log() -> Vec<u8> {
     let shape = Shape::with(|options| options.chunk_size(Some(1024 * 1024)));
     Shape {
-        messages: 12_000,
+        messages: 5000,
         ..shape
     }
     .write()
