@@ -8,8 +8,8 @@ mod flights;
 use std::{collections::BTreeMap, io::Cursor, path::Path};
 
 use common::{
-    logbook::Logbook, piping::*, real_logs, ros::Wire, selecting::request, shapes::any_shape,
-    topics::*,
+    Parts, logbook::Logbook, piping::*, real_logs, ros::Wire, selecting::request,
+    shapes::any_shape, topics::*,
 };
 use flightcam::{
     log::stream::Streamed,
@@ -20,7 +20,10 @@ use flightcam::{
     },
 };
 use flights::{flight::Flight, recordings};
-use mcap::{WriteOptions, records::MessageHeader};
+use mcap::{
+    WriteOptions,
+    records::{MessageHeader, op},
+};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -381,16 +384,36 @@ fn what_the_user_tells_is_kept_and_of_others_only_what_may_be_beside_it() {
 }
 
 #[test]
-fn channels_that_are_defined_too_late_are_kept_for_all_cases() {
-    use common::Parts;
-    use mcap::records::op;
-    let log = log(&[topic("/drone/state", states(20, 1.0))]);
+fn messages_too_long_for_examples_tell_nothing_and_are_kept_till_others_do() {
+    let mut book = Logbook::with_chunks_of(10_000_000);
+    let state = book.json("/drone/state");
+    let long = format!(r#"{{"note":"{}"}}"#, "x".repeat(70_000));
+    for time in 0..12 {
+        book.put(state, time, long.as_bytes());
+    }
+    for time in 12..50 {
+        book.put_flat(state, time, "0.1", "5");
+    }
+    let (_folder, path) = book.finish();
+    let log = std::fs::read(path).expect("the log");
+    check(&log, &Request::default(), 65_536);
+    assert_eq!(kept(&log, &Request::default())["/drone/state"], 50);
+}
+
+#[test]
+fn what_is_defined_only_in_the_summary_is_kept_for_all_cases() {
+    let log = log(&[odometry("/odom")]);
     let unchunked = rewritten(&log, WriteOptions::new().use_chunks(false));
-    let mut parts = Parts::of(&unchunked);
-    let is_definition = |opcode: u8| [op::SCHEMA, op::CHANNEL].contains(&opcode);
-    parts.data.retain(|(opcode, _)| !is_definition(*opcode));
-    parts.data_section_crc = 0;
-    let streamed = check(&parts.join(), &Request::default(), 1000).expect("a readable log");
-    let (selected, _) = telemetry(&streamed.telemetry, &Request::default()).expect("telemetry");
-    assert!(selected.starts_with("\"flat\""));
+    for lacking in [
+        &[op::SCHEMA][..],
+        &[op::CHANNEL],
+        &[op::SCHEMA, op::CHANNEL],
+    ] {
+        let mut parts = Parts::of(&unchunked);
+        parts.data.retain(|(opcode, _)| !lacking.contains(opcode));
+        parts.data_section_crc = 0;
+        let streamed = check(&parts.join(), &Request::default(), 1000).expect("a readable log");
+        let (selected, _) = telemetry(&streamed.telemetry, &Request::default()).expect("telemetry");
+        assert!(selected.starts_with("\"nav-msgs\""), "{selected}");
+    }
 }

@@ -3,10 +3,13 @@
 
 mod common;
 
-use std::{fs, process::Command};
+use std::{
+    fs,
+    process::{Command, Output},
+};
 
 use assert_cmd::cargo::cargo_bin;
-use common::folder::*;
+use common::{folder::*, *};
 use flightcam::log::{
     Log,
     file::{Access, LogFile},
@@ -17,22 +20,30 @@ use flightcam::log::{
 const CALLS: &str = "trace=flock,write,pwrite64,?copy_file_range,?sendfile,ftruncate,fsync,?unlink,unlinkat,\
                      ?rename,?renameat,renameat2,?link,linkat";
 
+/// Runs the program under strace. `None`, with a word on why, where that cannot be had.
+fn run_traced(folder: &Folder, options: &[&str], arguments: &str) -> Option<Output> {
+    let run = |options: &[&str], program: &[&str]| {
+        let mut strace = Command::new("strace");
+        strace.arg("-f").args(options).args(program);
+        strace.current_dir(folder.path(".")).output()
+    };
+    let works = run(&["-o", "/dev/null"], &["true"]);
+    if !works.is_ok_and(|output| output.status.success()) {
+        eprintln!("skipped: this machine has no strace, or lets no test use it");
+        return None;
+    }
+    let mut program = vec![cargo_bin!("flightcam").to_str().expect("a name")];
+    program.extend(arguments.split(' '));
+    Some(run(options, &program).expect("it runs"))
+}
+
 /// Runs the program and gives its calls that concern the folder, each with the file that it is for. Those that
 /// follow one of the same kind are left out. `None`, with a word on why, where no calls can be had.
 fn calls(folder: &Folder, arguments: &str) -> Option<Vec<String>> {
     let traced = tempfile::NamedTempFile::new().expect("a temporary file");
-    let mut strace = Command::new("strace");
-    strace
-        .args(["-f", "-y", "-e", CALLS, "-o"])
-        .arg(traced.path());
-    strace
-        .arg(cargo_bin!("flightcam"))
-        .args(arguments.split(' '));
-    let output = strace.current_dir(folder.path(".")).output();
-    if !output.is_ok_and(|output| output.status.success()) {
-        eprintln!("skipped: this machine has no strace, or lets no test use it");
-        return None;
-    }
+    let trace = traced.path().to_str().expect("a name");
+    let run = run_traced(folder, &["-y", "-e", CALLS, "-o", trace], arguments)?;
+    assert!(run.status.success());
     let place = folder.path("").canonicalize().expect("the folder");
     let place = place.to_str().expect("a name");
     let trace = fs::read_to_string(traced.path()).expect("the trace");
@@ -122,5 +133,49 @@ fn a_new_file_is_on_the_disk_before_it_has_its_name() {
         ];
         let written = calls.iter().filter(|call| !call.starts_with("flock"));
         assert!(written.eq(&expected), "{arguments}: {calls:#?}");
+    }
+}
+
+/// The calls of a change in place that a disk may fail, and how many there are of each.
+const FALLIBLE: [(&str, usize); 5] = [
+    ("write", 1),
+    ("pwrite64", 5),
+    ("fsync", 4),
+    ("ftruncate", 1),
+    ("?unlink,unlinkat", 1),
+];
+
+#[test]
+fn a_disk_that_fails_once_leaves_the_log_as_it_was_or_as_it_was_to_be() {
+    let log = Shape::default().write();
+    let (enriched, _) = enrich_bytes(&log).expect("a result");
+    for (before, after, arguments) in [
+        (
+            &log,
+            &enriched,
+            "enrich flight.mcap --depression 30 --in-place --quiet",
+        ),
+        (&enriched, &log, "restore flight.mcap --quiet"),
+    ] {
+        for (call, times) in FALLIBLE {
+            for time in 1..=times {
+                let folder = Folder::with(LOG, before);
+                let fault = format!("inject={call}:error=EIO:when={time}");
+                let options = ["-o", "/dev/null", "-e", &fault];
+                let Some(run) = run_traced(&folder, &options, arguments) else {
+                    return;
+                };
+                let err = String::from_utf8_lossy(&run.stderr);
+                let expected = match run.status.code() {
+                    Some(0) => after,
+                    Some(1) if err.contains("Input/output error") => before,
+                    code => panic!("{arguments}: {call} {time}: {code:?}: {err}"),
+                };
+                assert!(
+                    folder.read_only_one(LOG) == *expected,
+                    "{arguments}: {call} {time}: {err}"
+                );
+            }
+        }
     }
 }

@@ -14,7 +14,7 @@ use common::{piping::*, shapes::any_shape, *};
 use flightcam::{
     Error,
     log::{
-        Log,
+        Log, ScanReason,
         record::{Records, push_record, serialize},
         stream::{Named, Streamed, pass_through},
     },
@@ -198,13 +198,13 @@ fn frame(opcode: u8, length: usize) -> Vec<u8> {
     frame
 }
 
-/// A log with a long record in its midst, behind the telemetry.
-fn with_record(opcode: u8, body: &[u8]) -> Vec<u8> {
+/// A log with more records in its midst, among the telemetry.
+fn with_records(records: Vec<(u8, Vec<u8>)>) -> Vec<u8> {
     let mut parts = Parts::of(&Shape::default().write());
     let middle = parts.data.len() / 2;
     let chunk = (parts.data[middle..].iter()).position(|(opcode, _)| *opcode == op::CHUNK);
     let place = middle + chunk.expect("a chunk");
-    parts.data.insert(place, (opcode, body.to_vec()));
+    parts.data.splice(place..place, records);
     parts.data_section_crc = 0;
     parts.summary.clear();
     parts.join()
@@ -238,7 +238,7 @@ fn room(_: &Log) -> usize {
 
 #[test]
 fn a_long_attachment_is_passed_on_and_not_kept() {
-    let log = with_record(op::ATTACHMENT, &attachment(20 * MEBIBYTE));
+    let log = with_records(vec![(op::ATTACHMENT, attachment(20 * MEBIBYTE))]);
     let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
     let attachments = &streamed.original.contents.attachments;
     assert_eq!(attachments[0].record.data_size, 20 * MEBIBYTE as u64);
@@ -247,7 +247,7 @@ fn a_long_attachment_is_passed_on_and_not_kept() {
 
 #[test]
 fn a_long_record_that_breaks_off_is_held_back() {
-    let whole = with_record(op::ATTACHMENT, &attachment(20 * MEBIBYTE));
+    let whole = with_records(vec![(op::ATTACHMENT, attachment(20 * MEBIBYTE))]);
     for at in [whole.len() / 2, whole.len() / 3 * 2] {
         let streamed = check(&whole[..at], &Request::default(), 1_000_000);
         let original = streamed.expect("a readable log").original;
@@ -257,18 +257,46 @@ fn a_long_record_that_breaks_off_is_held_back() {
 }
 
 #[test]
-fn a_long_metadata_record_is_kept() {
-    let metadata = mcap::records::Metadata {
-        name: "parameters".into(),
-        metadata: [("all".into(), "x".repeat(17 * MEBIBYTE))].into(),
-    };
-    let log = with_record(op::METADATA, &serialize(&metadata));
-    let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
-    let kept = streamed
-        .original
-        .metadata("parameters")
-        .expect("it is kept");
-    assert_eq!(kept, [metadata]);
+fn a_metadata_record_is_kept_wherever_it_lies() {
+    for length in [17 * MEBIBYTE, 10] {
+        let metadata = mcap::records::Metadata {
+            name: "parameters".into(),
+            metadata: [("all".into(), "x".repeat(length))].into(),
+        };
+        let around = (op::ATTACHMENT, attachment(100_000));
+        let record = (op::METADATA, serialize(&metadata));
+        let log = with_records(vec![around.clone(), record, around]);
+        let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
+        let kept = streamed.original.metadata("parameters");
+        assert_eq!(kept.expect("it is kept"), [metadata]);
+    }
+}
+
+#[test]
+fn what_is_held_back_may_begin_with_a_long_record() {
+    for opcode in [op::DATA_END, op::FOOTER] {
+        let log = with_records(vec![(opcode, vec![0; 17 * MEBIBYTE])]);
+        let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
+        let original = streamed.original;
+        assert!(original.file.len() - original.data_end > 17 * MEBIBYTE as u64);
+    }
+}
+
+/// A log that is not closed, whose footer leads to what looks like the data section's end, in an attachment.
+#[test]
+fn a_footer_that_leads_before_the_end_of_the_data_is_not_believed() {
+    let mut body = attachment(0);
+    push_record(&mut body, op::DATA_END, &[0; 4]);
+    let log = with_records(vec![(op::ATTACHMENT, body.clone())]);
+    let looks_so = log.windows(body.len()).position(|window| window == body);
+    let summary_start = (looks_so.expect("the attachment") + body.len()) as u64;
+    let closing = log.len() - mcap::MAGIC.len() - 20;
+    let mut log = log;
+    log[closing..closing + 8].copy_from_slice(&summary_start.to_le_bytes());
+    let (_, streamed) = pipe(Path::new("-"), &log[..], |_| true);
+    let Streamed { original, .. } = streamed.expect("a readable log");
+    assert_eq!(original.scanned, Some(ScanReason::NotClosed));
+    assert!(original.data_end > summary_start);
 }
 
 #[test]
@@ -280,7 +308,8 @@ fn a_long_message_outside_chunks_is_followed_like_any_other() {
         publish_time: 0,
     };
     let payload: Vec<u8> = (0..17 * MEBIBYTE).map(|i| (i / 5) as u8).collect();
-    let log = with_record(op::MESSAGE, &[&serialize(&header)[..], &payload].concat());
+    let message = [&serialize(&header)[..], &payload].concat();
+    let log = with_records(vec![(op::MESSAGE, message)]);
     let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
     assert!(streamed.telemetry.file.len() < MEBIBYTE as u64);
     assert!(room(&streamed.original) < MEBIBYTE);
@@ -332,12 +361,15 @@ fn long_chunks_are_kept_where_they_are_not_indexed() {
         parts.data_section_crc = 0;
         let log = parts.join();
         let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
+        assert_eq!(streamed.telemetry.file.len(), 0);
         let room = room(&streamed.original);
         match is_indexed {
             true => assert!(room < MEBIBYTE, "{room}"),
             false => assert!(cfg!(not(unix)) || room < 41 * MEBIBYTE, "{room}"),
         }
-        assert_eq!(streamed.telemetry.file.len(), 0);
+        // As if the recorder had been stopped right behind the last chunk.
+        let data_end = streamed.original.data_end as usize;
+        check(&log[..data_end], &Request::default(), 1_000_000);
     }
 }
 

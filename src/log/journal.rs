@@ -277,10 +277,11 @@ fn bring_back(log: &File, header: &Header, journal: File) -> io::Result<()> {
 }
 
 fn remove(journal: &Path, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
-    fs::remove_file(journal)
-        .map(|()| reached(Step::JournalRemoved))
-        .and_then(|()| sync_folder(journal))
-        .map_err(|source| Error::io("cannot remove", journal, source))
+    fs::remove_file(journal).map_err(|source| Error::io("cannot remove", journal, source))?;
+    reached(Step::JournalRemoved);
+    // This is too late to fail: what it was about is done. At worst a power cut undoes that.
+    let _ = sync_folder(journal);
+    Ok(())
 }
 
 /// Where a log's journal is. It lies beside the file itself, whatever links lead there.

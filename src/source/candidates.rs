@@ -160,14 +160,13 @@ impl Candidates {
         };
         profiles.any(|profile| {
             binds::<AttitudeSource>(&schema, profile, name)
-                && (self.told.contains(&Kind::Velocity)
-                    || !profile.velocity.iter().any(|source| source.required)
+                && (!profile.velocity.iter().any(|source| source.required)
                     || binds::<VelocitySource>(&schema, profile, name))
         })
     }
 }
 
-/// Those of a role's alternatives, of any topic, that are meant for a type of message.
+/// Those of a role's alternatives that name no topics and are meant for a type of message.
 fn unnamed<'p, A: Alternative>(
     profile: &'p Profile,
     schema_name: &str,
@@ -176,6 +175,7 @@ fn unnamed<'p, A: Alternative>(
     meant_for(schema_name, unnamed)
 }
 
+/// Whether the fields of such alternatives are there, or none is such.
 fn binds<A: Alternative>(schema: &Schema, profile: &Profile, schema_name: &str) -> bool {
     unnamed::<A>(profile, schema_name)
         .and_then(|alternatives| bind_role(&mut Binder::new(schema), profile, &alternatives))
