@@ -13,11 +13,7 @@ use std::{
 
 use crate::{
     error::Error,
-    log::{
-        Log,
-        file::{Access, LogFile},
-        stream::Named,
-    },
+    log::{Log, file::LogFile, locked::Access, stream::Named},
     options::Options,
     progress::{Watch, Watcher},
     report::Report,

@@ -227,7 +227,7 @@ pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
     let used = telemetry.iter().flat_map(Telemetry::topics).collect();
     Ok(Inspection {
         input: input.into(),
-        bytes: log.file.len(),
+        bytes: log.file.length(),
         messages: statistics.message_count,
         topics: names.len(),
         times: (statistics.message_count > 0)

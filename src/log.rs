@@ -7,7 +7,8 @@
 pub mod contents;
 pub mod file;
 pub mod journal;
-pub mod prefix;
+pub mod locked;
+pub(crate) mod prefix;
 pub mod record;
 pub mod stream;
 
@@ -29,7 +30,8 @@ use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, op};
 
 use crate::error::Error;
 use contents::Contents;
-use file::{Access, LogFile};
+use file::LogFile;
+use locked::Access;
 use record::{Records, parse};
 use scan::{Bodies, Collector, Step, Walker};
 use summary::{DATA_END_LENGTH, Ending};
@@ -108,7 +110,7 @@ impl Log {
 
     /// Reads the log from start to end, which its `ending` may tell.
     fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, Error> {
-        let end = (ending.as_ref()).map_or(file.len(), |ending| ending.data_end);
+        let end = (ending.as_ref()).map_or(file.length(), |ending| ending.data_end);
         let mut walker = Walker::new(&file, mcap::MAGIC.len() as u64, end);
         let mut collector = Collector::default();
         let stop = loop {
@@ -187,7 +189,7 @@ impl Log {
     /// Whether no bytes of the log were left unread because they make no sense.
     pub fn is_readable_to_its_end(&self) -> bool {
         self.breaks_off_at
-            .is_none_or(|offset| offset == self.file.len())
+            .is_none_or(|offset| offset == self.file.length())
     }
 
     /// The Metadata records of one name.
@@ -271,8 +273,8 @@ impl Stop {
 /// Checks the magic bytes and reads the header.
 fn read_header(file: &LogFile) -> Result<Header, Error> {
     let magic_length = mcap::MAGIC.len() as u64;
-    check_magic(file.path(), &file.read(0, file.len().min(magic_length))?)?;
-    let mut walker = Walker::new(file, magic_length, file.len());
+    check_magic(file.path(), &file.read(0, file.length().min(magic_length))?)?;
+    let mut walker = Walker::new(file, magic_length, file.length());
     if let Step::Record(frame) = walker.step()?
         && frame.opcode == op::HEADER
         && let Ok(header) = parse(walker.body(&frame, u64::MAX)?)

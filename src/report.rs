@@ -220,7 +220,7 @@ pub(crate) const RECOVERED: &str = "an earlier run that changed the log had been
 /// What is lost of a log that breaks off, if anything is.
 pub(crate) fn unread_end(log: &Log) -> Option<String> {
     let offset = log.breaks_off_at?;
-    let lost = log.file.len() - offset;
+    let lost = log.file.length() - offset;
     (lost > 0).then(|| {
         format!(
             "the log breaks off at byte {offset}; the {lost} bytes from there on are not readable"

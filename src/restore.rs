@@ -8,8 +8,8 @@ use crate::{
     error::Error,
     log::{
         Log,
-        file::{Access, LogFile, WriteAt},
-        journal::Journal,
+        file::LogFile,
+        locked::{Access, WriteAt},
     },
     progress::{Watch, Watcher},
     report::lossy,
@@ -71,7 +71,7 @@ pub fn restore_to(
     let metadata = original.file.handle().metadata().map_err(failed)?;
     let pending = destination.create(Some(metadata.permissions()))?;
     let mut file = pending.file();
-    let copied = |done| watcher.bytes(done, original.file.len());
+    let copied = |done| watcher.bytes(done, original.file.length());
     copy_data(&original, &mut file, failed, copied)?;
     copy_end(&original, &mut file, failed, copied)?;
     pending.commit()?;
@@ -93,7 +93,7 @@ fn describe(original: &Original, output: &Path) -> Result<Restored, Error> {
     Ok(Restored {
         input: file.path().into(),
         output: output.into(),
-        bytes: file.len(),
+        bytes: file.length(),
         undone,
         recovered: file.was_recovered(),
     })
@@ -104,9 +104,9 @@ fn in_place(original: &Log, watcher: &Watcher) -> Result<(), Error> {
     let failed = |source| Error::io("cannot write the log", file.path(), source);
     let mut end = WriteAt::new(file.handle(), start).map_err(failed)?;
     let mut step = |step| watcher.step(step);
-    let journal = Journal::begin(file, start, &mut step)?;
-    let written = |done| watcher.bytes(done, file.len());
+    let journal = file.change_from(start, &mut step)?;
+    let written = |done| watcher.bytes(done, file.length());
     let changed = copy_end(original, &mut end, failed, written)
-        .and_then(|()| journal.commit(file.len(), &mut step));
+        .and_then(|()| journal.commit(file.length(), &mut step));
     journal.conclude(changed)
 }

@@ -7,11 +7,7 @@ use std::{collections::BTreeSet, fs};
 
 use common::{folder::*, shapes::*, small_disk::run_mounting, *};
 use flightcam::{
-    log::{
-        Log,
-        file::{Access, LogFile},
-        journal::Journal,
-    },
+    log::{Log, file::LogFile, locked::Access},
     writer::original::Original,
 };
 
@@ -181,7 +177,9 @@ fn journal_length(log: &[u8]) -> usize {
     let log = Original::of(Log::read(file).expect("a log"))
         .expect("its original")
         .log;
-    Journal::begin(&log.file, log.data_end, &mut |_| {}).expect("a journal");
+    log.file
+        .change_from(log.data_end, &mut |_| {})
+        .expect("a journal");
     folder.read(JOURNAL).len()
 }
 
@@ -192,7 +190,10 @@ fn a_log_that_finds_no_room_to_be_brought_back_waits_for_it() {
         let folder = Folder::with(LOG, &log);
         let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
         let opened = Log::read(file).expect("a log");
-        Journal::begin(&opened.file, opened.data_end, &mut |_| {}).expect("a journal");
+        opened
+            .file
+            .change_from(opened.data_end, &mut |_| {})
+            .expect("a journal");
         folder.add(LOG, &log[..opened.data_end as usize]);
         drop(opened);
         let journal = folder.read(JOURNAL);

@@ -10,11 +10,7 @@ use std::{
 
 use assert_cmd::cargo::cargo_bin;
 use common::{folder::*, *};
-use flightcam::log::{
-    Log,
-    file::{Access, LogFile},
-    journal::Journal,
-};
+use flightcam::log::{Log, file::LogFile, locked::Access};
 
 /// The system calls by which files come to be what they are; not every machine has all of them.
 const CALLS: &str = "trace=flock,write,pwrite64,?copy_file_range,?sendfile,ftruncate,fsync,?unlink,unlinkat,\
@@ -107,7 +103,9 @@ fn a_log_that_was_brought_back_is_on_the_disk_before_the_journal_is_removed() {
     let folder = Folder::with_flight();
     let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
     let log = Log::read(file).expect("a log");
-    Journal::begin(&log.file, log.data_end, &mut |_| {}).expect("a journal");
+    log.file
+        .change_from(log.data_end, &mut |_| {})
+        .expect("a journal");
     drop(log);
     if let Some(calls) = calls(&folder, "inspect flight.mcap --depression 30") {
         assert_eq!(calls, [&CHANGE[..1], &CHANGE[4..]].concat());

@@ -7,10 +7,7 @@ use std::{iter, ops::ControlFlow, path::Path};
 use common::{folder::*, shapes::*, *};
 use flightcam::{
     Error, Progress, Watch, enrich_in_place,
-    log::{
-        file::{Access, LogFile},
-        journal::Step,
-    },
+    log::{file::LogFile, journal::Step, locked::Access},
     restore,
 };
 
@@ -132,7 +129,7 @@ mod on_unix {
     };
 
     use assert_cmd::cargo::cargo_bin;
-    use flightcam::log::{Log, journal::Journal};
+    use flightcam::log::Log;
 
     use super::{common::small_disk::run_mounting, *};
 
@@ -263,7 +260,10 @@ mod on_unix {
         // What is cut short under one name is brought back under the other.
         let file = LogFile::open(&folder.path("link.mcap"), Access::Change).expect("it is opened");
         let opened = Log::read(file).expect("a log");
-        Journal::begin(&opened.file, opened.data_end, &mut |_| {}).expect("a journal");
+        opened
+            .file
+            .change_from(opened.data_end, &mut |_| {})
+            .expect("a journal");
         folder.add("logs/flight.mcap", &enriched[..opened.data_end as usize]);
         drop(opened);
         folder.run("inspect logs/flight.mcap --depression 30", 0);

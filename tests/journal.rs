@@ -7,11 +7,7 @@ use std::{fs, path::PathBuf};
 use common::{folder::*, rewriting::with_attachment, shapes::*, *};
 use flightcam::{
     enrich_in_place,
-    log::{
-        Log,
-        file::{Access, LogFile},
-        journal::Journal,
-    },
+    log::{Log, file::LogFile, locked::Access},
 };
 use proptest::prelude::*;
 
@@ -23,7 +19,9 @@ fn cut_short(log: &[u8]) -> (Folder, usize) {
     let folder = Folder::with(LOG, log);
     let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
     let log = Log::read(file).expect("a log");
-    Journal::begin(&log.file, log.data_end, &mut |_| {}).expect("a journal");
+    log.file
+        .change_from(log.data_end, &mut |_| {})
+        .expect("a journal");
     (folder, log.data_end as usize)
 }
 
@@ -32,7 +30,7 @@ fn cut_short(log: &[u8]) -> (Folder, usize) {
 fn is_found_whole(folder: &Folder, log: &[u8]) {
     let opened = Log::open(&folder.path(LOG)).expect("a log");
     assert!(opened.file.was_recovered());
-    assert_eq!(opened.file.len(), log.len() as u64);
+    assert_eq!(opened.file.length(), log.len() as u64);
     drop(opened);
     assert!(folder.read_only_one(LOG) == log);
 }

@@ -72,7 +72,7 @@ proptest! {
         prop_assert!(log.starts_with(&output));
         if let Ok(Streamed { original, telemetry: followed }) = streamed {
             prop_assert_eq!(original.data_end, output.len() as u64);
-            prop_assert_eq!(original.file.len(), log.len() as u64);
+            prop_assert_eq!(original.file.length(), log.len() as u64);
             let _ = telemetry(&followed, &request);
         }
     }
@@ -278,7 +278,7 @@ fn what_is_held_back_may_begin_with_a_long_record() {
         let log = with_records(vec![(opcode, vec![0; 17 * MEBIBYTE])]);
         let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
         let original = streamed.original;
-        assert!(original.file.len() - original.data_end > 17 * MEBIBYTE as u64);
+        assert!(original.file.length() - original.data_end > 17 * MEBIBYTE as u64);
     }
 }
 
@@ -311,14 +311,14 @@ fn a_long_message_outside_chunks_is_followed_like_any_other() {
     let message = [&serialize(&header)[..], &payload].concat();
     let log = with_records(vec![(op::MESSAGE, message)]);
     let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
-    assert!(streamed.telemetry.file.len() < MEBIBYTE as u64);
+    assert!(streamed.telemetry.file.length() < MEBIBYTE as u64);
     assert!(room(&streamed.original) < MEBIBYTE);
 
     let (_, streamed) = pipe(Path::new("-"), &log[..], |passing| {
         passing.message.payload == payload
     });
     let Streamed { telemetry, .. } = streamed.expect("a readable log");
-    let followed = telemetry.file.read(0, telemetry.file.len());
+    let followed = telemetry.file.read(0, telemetry.file.length());
     assert!(followed.expect("the message").ends_with(&payload));
 }
 
@@ -361,7 +361,7 @@ fn long_chunks_are_kept_where_they_are_not_indexed() {
         parts.data_section_crc = 0;
         let log = parts.join();
         let streamed = check(&log, &Request::default(), 1_000_000).expect("a readable log");
-        assert_eq!(streamed.telemetry.file.len(), 0);
+        assert_eq!(streamed.telemetry.file.length(), 0);
         let room = room(&streamed.original);
         match is_indexed {
             true => assert!(room < MEBIBYTE, "{room}"),
@@ -428,13 +428,13 @@ fn memory_and_room_do_not_grow_with_the_log() {
         }));
     });
     let streamed = streamed.expect("it ran").expect("a readable log");
-    assert!(streamed.original.file.len() > 128 * MEBIBYTE as u64);
+    assert!(streamed.original.file.length() > 128 * MEBIBYTE as u64);
     assert!(
         allocations.bytes_max < 16 * MEBIBYTE as u64,
         "{allocations:?}"
     );
     assert!(room(&streamed.original) < MEBIBYTE);
-    assert!(streamed.telemetry.file.len() < MEBIBYTE as u64);
+    assert!(streamed.telemetry.file.length() < MEBIBYTE as u64);
 }
 
 // ---- Streams that fail ----

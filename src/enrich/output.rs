@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     error::Error,
-    log::{Log, file::WriteAt, journal::Journal, stream::Named},
+    log::{Log, journal::Journal, locked::WriteAt, stream::Named},
     progress::Watcher,
     report::Report,
     writer::{Appender, Interleaver, Layout, copy::copy_data, destination::Destination},
@@ -152,7 +152,7 @@ fn change<'a>(
     let format = derivation.format.clone();
     let mut step = |step| watcher.step(step);
     let begin = || {
-        *journal = Some(Journal::begin(&log.file, log.data_end, &mut step)?);
+        *journal = Some(log.file.change_from(log.data_end, &mut step)?);
         let end = WriteAt::new(log.file.handle(), log.data_end);
         let end = end.map_err(|source| Error::io("cannot write the log", path, source))?;
         let appender = Appender::begin(log, end, path.into(), format)?;

@@ -1,13 +1,14 @@
 //! A log's bytes, read by position.
 
 use std::{
-    fs::{File, OpenOptions, Permissions, TryLockError},
-    io::{self, Write},
-    ops::Deref,
+    fs::File,
     path::{Path, PathBuf},
 };
 
-use super::journal;
+use super::{
+    journal::{self, Journal, Step},
+    locked::{Access, LockedFile, read_exact_at},
+};
 use crate::error::Error;
 
 /// An open log file. Reading is by position, so that several readers can share it.
@@ -29,15 +30,6 @@ pub struct LogFile {
 struct Tail {
     start: u64,
     file: File,
-}
-
-/// What is going to happen to a file, and so which lock it needs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Access {
-    /// It is read, as others may do at the same time.
-    Read,
-    /// It is read and changed in place, while nobody else has it open.
-    Change,
 }
 
 impl LogFile {
@@ -74,7 +66,7 @@ impl LogFile {
     /// # Errors
     /// It cannot be said how long it is.
     pub fn from_file(path: &Path, file: File) -> Result<Self, Error> {
-        Self::of(path, LockedFile(file))
+        Self::of(path, file.into())
     }
 
     fn of(path: &Path, file: LockedFile) -> Result<Self, Error> {
@@ -99,6 +91,19 @@ impl LogFile {
         }
     }
 
+    /// Saves what the file has from `start` on, after which that may be overwritten. The file must have been
+    /// opened to be changed.
+    ///
+    /// # Errors
+    /// The journal cannot be written; nothing is left of it then.
+    pub fn change_from(
+        &self,
+        start: u64,
+        reached: &mut dyn FnMut(Step),
+    ) -> Result<Journal<'_>, Error> {
+        Journal::begin(&self.file, &self.path, start, reached)
+    }
+
     /// What the file is called.
     pub fn path(&self) -> &Path {
         &self.path
@@ -110,7 +115,7 @@ impl LogFile {
     }
 
     /// Length in bytes when the file was opened.
-    pub fn len(&self) -> u64 {
+    pub fn length(&self) -> u64 {
         self.len
     }
 
@@ -192,120 +197,4 @@ fn recover(path: &Path) -> Result<bool, Error> {
         other => other,
     })?;
     journal::recover(&file, path)
-}
-
-/// A file that is locked for as long as this lives.
-#[derive(Debug)]
-struct LockedFile(File);
-
-impl LockedFile {
-    fn open(path: &Path, access: Access) -> Result<Self, Error> {
-        let mut options = OpenOptions::new();
-        options.read(true).write(access == Access::Change);
-        let file = options.open(path);
-        let file = file.map_err(|source| Error::io("cannot open the log", path, source))?;
-        let locked = match access {
-            Access::Read => file.try_lock_shared(),
-            Access::Change => file.try_lock(),
-        };
-        match (locked, access) {
-            (Err(TryLockError::WouldBlock), _) => Err(Error::Locked { path: path.into() }),
-            (Err(TryLockError::Error(source)), Access::Change) => Err(Error::NoLocks {
-                path: path.into(),
-                source,
-            }),
-            // Where the file system knows no locks, nobody can be changing the file in place.
-            (Err(TryLockError::Error(_)), Access::Read) | (Ok(()), _) => Ok(Self(file)),
-        }
-    }
-}
-
-impl Deref for LockedFile {
-    type Target = File;
-
-    fn deref(&self) -> &File {
-        &self.0
-    }
-}
-
-impl Drop for LockedFile {
-    /// Closing is not enough: a process that another thread is just starting has the file open too for a moment.
-    fn drop(&mut self) {
-        let _ = self.0.unlock();
-    }
-}
-
-/// Lets whoever may read a log read also what is made of it, as far as the user can grant that.
-pub fn grant(file: &File, permissions: Permissions) -> io::Result<()> {
-    match file.set_permissions(permissions) {
-        Err(error) if cannot_be_granted(&error) => Ok(()),
-        granted => granted,
-    }
-}
-
-fn cannot_be_granted(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        io::ErrorKind::PermissionDenied | io::ErrorKind::Unsupported
-    )
-}
-
-/// Writes to a file from some position on, whatever else is done with its handle.
-#[derive(Debug)]
-pub struct WriteAt {
-    file: File,
-    position: u64,
-}
-
-impl WriteAt {
-    /// Begins at `position`.
-    ///
-    /// # Errors
-    /// The system has no handle left.
-    pub fn new(file: &File, position: u64) -> io::Result<Self> {
-        Ok(Self {
-            file: file.try_clone()?,
-            position,
-        })
-    }
-}
-
-impl Write for WriteAt {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = write_at(&self.file, bytes, self.position)?;
-        self.position += written as u64;
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-#[cfg(unix)]
-fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
-    std::os::unix::fs::FileExt::write_at(file, bytes, offset)
-}
-
-#[cfg(windows)]
-fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
-    std::os::windows::fs::FileExt::seek_write(file, bytes, offset)
-}
-
-#[cfg(unix)]
-pub(super) fn read_exact_at(file: &File, buffer: &mut [u8], offset: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, buffer, offset)
-}
-
-#[cfg(windows)]
-pub(super) fn read_exact_at(file: &File, mut buffer: &mut [u8], mut offset: u64) -> io::Result<()> {
-    while !buffer.is_empty() {
-        let read = std::os::windows::fs::FileExt::seek_read(file, buffer, offset)?;
-        if read == 0 {
-            return Err(io::ErrorKind::UnexpectedEof.into());
-        }
-        buffer = &mut buffer[read..];
-        offset += read as u64;
-    }
-    Ok(())
 }

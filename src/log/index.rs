@@ -27,7 +27,7 @@ pub fn message_index(
     };
     // So long as the count demands, whatever length the record itself claims.
     let length = MESSAGE_INDEX_PREFIX + count * MESSAGE_INDEX_ENTRY;
-    if offset.saturating_add(length) > file.len() {
+    if offset.saturating_add(length) > file.length() {
         return Ok(None);
     }
     let record = file.read(offset, length)?;

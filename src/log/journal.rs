@@ -21,7 +21,7 @@ use std::{
 use binrw::{BinRead, BinWrite, binrw};
 
 use super::{
-    file::{LogFile, WriteAt, grant},
+    locked::{WriteAt, grant},
     prefix::Prefix,
 };
 use crate::error::Error;
@@ -88,32 +88,35 @@ struct Header {
 /// If it ends without [`conclude`](Self::conclude), the next run brings the old end back.
 #[derive(Debug)]
 pub struct Journal<'a> {
-    log: &'a LogFile,
+    log: &'a File,
+    log_path: &'a Path,
     path: PathBuf,
 }
 
 impl<'a> Journal<'a> {
-    /// Saves what the file has from `start` on, after which that may be overwritten. The file must have been
-    /// opened to be changed.
-    ///
-    /// # Errors
-    /// The journal cannot be written; nothing is left of it then.
-    pub fn begin(
-        log: &'a LogFile,
+    /// See [`LogFile::change_from`](super::file::LogFile::change_from).
+    pub(super) fn begin(
+        log: &'a File,
+        log_path: &'a Path,
         start: u64,
         reached: &mut dyn FnMut(Step),
     ) -> Result<Self, Error> {
-        let path = beside(log.path())?;
+        let path = beside(log_path)?;
         let failed = |source| Error::io("cannot save the log's end", &path, source);
         let journal = File::create_new(&path).map_err(failed)?;
-        let written = write(log, start, journal, reached).and_then(|()| sync_folder(&path));
+        let written =
+            write(log, log_path, start, journal, reached).and_then(|()| sync_folder(&path));
         if let Err(error) = written {
             // The log was not touched; a journal that cannot be removed now is, as it is not whole, later.
             let _ = fs::remove_file(&path);
             return Err(failed(error));
         }
         reached(Step::JournalDurable);
-        Ok(Self { log, path })
+        Ok(Self {
+            log,
+            log_path,
+            path,
+        })
     }
 
     /// Makes the change last: the file is `length` bytes long from now on.
@@ -121,8 +124,8 @@ impl<'a> Journal<'a> {
     /// # Errors
     /// The file cannot be cut or synced, or the journal not removed.
     pub fn commit(&self, length: u64, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
-        let failed = |source| Error::io("cannot write the log", self.log.path(), source);
-        let file = self.log.handle();
+        let failed = |source| Error::io("cannot write the log", self.log_path, source);
+        let file = self.log;
         reached(Step::LogWritten);
         file.set_len(length).map_err(failed)?;
         reached(Step::LogCut);
@@ -136,10 +139,10 @@ impl<'a> Journal<'a> {
     /// # Errors
     /// What went wrong. If even bringing back does, the journal stays, and the next run tries again.
     pub fn conclude<T>(self, changed: Result<T, Error>) -> Result<T, Error> {
-        changed.map_err(|cause| match recover(self.log.handle(), self.log.path()) {
+        changed.map_err(|cause| match recover(self.log, self.log_path) {
             Ok(_) => cause,
             Err(rollback) => Error::RollBack {
-                path: self.log.path().into(),
+                path: self.log_path.into(),
                 cause: Box::new(cause),
                 rollback: Box::new(rollback),
             },
@@ -192,18 +195,18 @@ pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, Error> {
 }
 
 fn write(
-    log: &LogFile,
+    log: &File,
+    log_path: &Path,
     start: u64,
     journal: File,
     reached: &mut dyn FnMut(Step),
 ) -> io::Result<()> {
     reached(Step::JournalCreated);
-    let file = log.handle();
-    let metadata = file.metadata()?;
+    let metadata = log.metadata()?;
     grant(&journal, metadata.permissions())?;
-    let path = log.path().canonicalize()?;
+    let path = log_path.canonicalize()?;
     let header = Header {
-        prefix: Prefix::of(file, start)?,
+        prefix: Prefix::of(log, start)?,
         length: metadata.len(),
         path: path.into_os_string().into_encoded_bytes(),
     };
@@ -218,7 +221,7 @@ fn write(
     out.write_all(start_of_journal.get_ref())?;
     // The fastest level: a log's end is mostly repeated schemas, or compressed already.
     let mut zstd = zstd::Encoder::new(&mut out, 1)?;
-    let mut end = file;
+    let mut end = log;
     end.seek(SeekFrom::Start(start))?;
     let mut end = BufReader::with_capacity(PIECE, end.take(header.length - start));
     io::copy(&mut end, &mut zstd)?;

@@ -5,7 +5,7 @@ use std::{fs::File, io};
 use binrw::binrw;
 use sha2::{Digest, Sha256};
 
-use super::file::read_exact_at;
+use super::locked::read_exact_at;
 
 /// How much is hashed at either end.
 const HASHED: u64 = 64 * 1024;

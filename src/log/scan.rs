@@ -80,7 +80,7 @@ impl<'a> Walker<'a> {
         Self {
             file,
             position: start,
-            end: end.min(file.len()),
+            end: end.min(file.length()),
             window: Vec::new(),
             window_start: 0,
         }
@@ -115,7 +115,7 @@ impl<'a> Walker<'a> {
     fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], Error> {
         let window_end = self.window_start + self.window.len() as u64;
         if offset < self.window_start || offset + length > window_end {
-            let ahead = length.max(WINDOW).min(self.file.len() - offset);
+            let ahead = length.max(WINDOW).min(self.file.length() - offset);
             self.file
                 .read_into(&mut self.window, offset, ahead.max(length))?;
             self.window_start = offset;

@@ -48,7 +48,7 @@ impl Ending {
     /// that goes on to `earliest` at least.
     pub fn read(file: &LogFile, earliest: u64) -> Result<Option<Self>, Error> {
         let tail = (FRAME_LENGTH + FOOTER_LENGTH + mcap::MAGIC.len()) as u64;
-        let Some(footer_offset) = file.len().checked_sub(tail) else {
+        let Some(footer_offset) = file.length().checked_sub(tail) else {
             return Ok(None);
         };
         let tail = file.read(footer_offset, tail)?;

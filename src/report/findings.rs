@@ -204,7 +204,7 @@ impl<'a> Findings<'a> {
         let one_way = (self.options.layout == Layout::Interleaved)
             .then(|| "`flightcam restore` cannot undo the interleaved layout".to_owned());
         let end = match (log.breaks_off_at, log.scanned) {
-            (Some(offset), _) if offset == log.file.len() => Some(
+            (Some(offset), _) if offset == log.file.length() => Some(
                 "the log was never closed; all of its records were used, and the result is closed"
                     .to_owned(),
             ),

@@ -73,11 +73,11 @@ pub fn copy_end(
     failed: impl Fn(io::Error) -> Error,
     mut copied: impl FnMut(u64) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let length = log.file.len();
+    let length = log.file.length();
     let mut piece = Vec::new();
     let mut position = log.data_end;
     while position < length {
-        let step = (BUFFER as u64).min(length - position);
+        let step = BUFFER.min(length - position);
         log.file.read_into(&mut piece, position, step)?;
         output.write_all(&piece).map_err(&failed)?;
         position += step;

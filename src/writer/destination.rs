@@ -14,8 +14,8 @@ use tempfile::NamedTempFile;
 use crate::{
     error::Error,
     log::{
-        file::grant,
         journal::{journal_of, sync_folder},
+        locked::grant,
     },
 };
 

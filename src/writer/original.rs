@@ -79,7 +79,7 @@ pub(super) fn encode(log: &Log) -> Result<Vec<u8>, Error> {
     let (tail_zstd, tail_sha256) = compress(log, data_end)?;
     let message = OriginalTail {
         data_end,
-        tail_length: log.file.len() - data_end,
+        tail_length: log.file.length() - data_end,
         data_section_crc: log.data_crc,
         head_sha256: prefix.head_sha256.to_vec(),
         foot_sha256: prefix.foot_sha256.to_vec(),
@@ -98,8 +98,8 @@ fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), Error> {
         zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL).map_err(failed)?;
     let mut piece = Vec::new();
     let mut position = start;
-    while position < log.file.len() {
-        let length = PIECE.min(log.file.len() - position);
+    while position < log.file.length() {
+        let length = PIECE.min(log.file.length() - position);
         log.file.read_into(&mut piece, position, length)?;
         sha256.update(&piece);
         zstd.write_all(&piece).map_err(failed)?;
@@ -111,8 +111,8 @@ fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), Error> {
 /// What a log carries of the original, with the uncompressed tail, or why there is nothing that can be trusted.
 fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, Error> {
     let attachments = &log.contents.attachments;
-    let named = attachments.iter().map(|index| &index.record);
-    let Some(index) = named.filter(|index| index.name == NAME).next_back() else {
+    let mut indexes = attachments.iter().map(|index| &index.record);
+    let Some(index) = indexes.rfind(|index| index.name == NAME) else {
         return Ok(Err(provenance::why_no_way_back(log)?));
     };
     let rewritten = Ok(Err(Lost::Rewritten));

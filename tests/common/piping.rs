@@ -122,7 +122,7 @@ fn check_original(log: &[u8], streamed: &Log, opened: &Log) {
         let read = streamed.file.read(kept.start as u64, length);
         assert!(read.expect("the end is kept") == log[kept]);
     }
-    assert_eq!(streamed.file.len(), log.len() as u64);
+    assert_eq!(streamed.file.length(), log.len() as u64);
     for metadata in &opened.contents.metadata {
         let name = &metadata.record.name;
         let kept = streamed.metadata(name).expect("metadata records are kept");

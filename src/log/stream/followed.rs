@@ -98,7 +98,7 @@ impl<F: FnMut(Passing) -> bool> Followed<F> {
                 statistics: original.contents.statistics.clone(),
                 ..Contents::default()
             },
-            data_end: file.len(),
+            data_end: file.length(),
             data_crc: None,
             scanned: None,
             breaks_off_at: None,
