@@ -310,6 +310,8 @@ fn nothing_is_kept_of_what_clearly_is_no_telemetry() {
     let mut book = Logbook::with_chunks_of(50_000);
     let flat = book.json("/drone/state");
     let (video, _) = book.protobuf("/camera/video", COMPRESSED_VIDEO);
+    let rates = "message Message { double roll = 1; double pitch = 2; double yaw = 3; }";
+    let (rates, _) = book.protobuf("/rates", rates);
     let image = book.ros(
         Wire::LittleEndian,
         "/camera/image",
@@ -328,7 +330,7 @@ fn nothing_is_kept_of_what_clearly_is_no_telemetry() {
     let frame = format!(r#"{{"data":"{}"}}"#, "x".repeat(70_000));
     for time in 0..200 {
         book.put_flat(flat, time, "0.1", "5");
-        for channel in [video, image, cloud] {
+        for channel in [video, rates, image, cloud] {
             book.put(channel, time, &[1; 3000]);
         }
         book.put(battery, time, &[0; 8]);
@@ -341,6 +343,7 @@ fn nothing_is_kept_of_what_clearly_is_no_telemetry() {
     assert_eq!(kept["/drone/state"], 200);
     for topic in [
         "/camera/video",
+        "/rates",
         "/camera/image",
         "/mavros/battery",
         "/lidar",
@@ -383,6 +386,9 @@ fn what_the_user_tells_is_kept_and_of_others_only_what_may_be_beside_it() {
         "/drone/state.vx,/drone/state.vy,/drone/state.vz:ned",
     );
     assert_eq!(kept_of(&[told, velocity]), (50, 50));
+    // It is told as the log names it, whatever the namespace of the others.
+    let (odd, flat) = kept_of(&[told, velocity, ("--namespace", "/drone")]);
+    assert_eq!((odd, flat), (50, 50));
     let (odd, flat) = kept_of(&[]);
     assert!(odd <= 10 && flat == 50, "{odd}");
 }

@@ -4,8 +4,14 @@
 mod common;
 
 use std::{
-    borrow::Cow, collections::BTreeMap, fs, io::Cursor, mem::discriminant, ops::ControlFlow,
+    borrow::Cow,
+    collections::BTreeMap,
+    fs,
+    io::{self, Cursor},
+    mem::discriminant,
+    ops::ControlFlow,
     path::Path,
+    sync::mpsc::{self, Receiver},
 };
 
 use common::{layout::*, shapes::any_shape, *};
@@ -207,12 +213,8 @@ fn messages_outside_chunks_are_gathered_into_chunks() {
         judge_interleaved(&log, false, &result, &report);
         let parts = Parts::of(&result);
         assert!(parts.data.iter().all(|(opcode, _)| *opcode != op::MESSAGE));
-        assert!(
-            !report
-                .notes
-                .iter()
-                .any(|note| note.contains("outside chunks"))
-        );
+        let is_told = |note: &String| note.contains("the result has them in chunks");
+        assert!(report.notes.iter().any(is_told));
         check_seeking(&result);
     }
 }
@@ -417,6 +419,47 @@ fn it_is_not_done_in_place() {
     let error = enrich_in_place(&log, &interleaved(), &mut unwatched).expect_err("it is refused");
     assert!(error.is_usage(), "{error}");
     assert!(fs::read(&log).expect("the log") == before);
+}
+
+/// An output that takes nothing before whoever watches was told so often that there is progress.
+struct Stalled {
+    told: Receiver<()>,
+    bytes: Vec<u8>,
+}
+
+impl io::Write for Stalled {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.bytes.is_empty() {
+            let told = self.told.iter().take(20).count();
+            assert_eq!(told, 20);
+        }
+        self.bytes.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn whoever_watches_is_asked_while_the_output_stalls() {
+    let (tell, told) = mpsc::channel();
+    let bytes = Vec::new();
+    let mut output = Stalled { told, bytes };
+    let input = repository("fixtures/survey_flight.mcap");
+    let name = Path::new("stream");
+    let to_stream = Named {
+        name,
+        stream: &mut output,
+    };
+    let report = enrich_to(&input, to_stream, &interleaved(), &mut |_| {
+        let _ = tell.send(());
+        ControlFlow::Continue(())
+    });
+    report.expect("a report");
+    let log = fs::read(&input).expect("the fixture");
+    assert!(output.bytes == interleave(&log).0);
 }
 
 #[test]

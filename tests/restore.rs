@@ -5,9 +5,17 @@ mod common;
 use std::{fs, io::Read as _};
 
 use common::{folder::*, rewriting::*, shapes::*, *};
-use flightcam::{enrich_in_place, restore, restore_to, unwatched};
-use mcap::Summary;
+use flightcam::{
+    enrich_in_place,
+    log::record::{FRAME_LENGTH, serialize},
+    restore, restore_to, unwatched,
+};
+use mcap::{
+    Summary,
+    records::{MessageHeader, op},
+};
 use proptest::prelude::*;
+use sha2::{Digest, Sha256};
 
 /// Enriches a log and undoes that in every way that there is. `None` if nothing can be derived from it.
 #[track_caller]
@@ -172,6 +180,25 @@ fn a_log_that_another_program_rewrote_is_refused() {
 }
 
 #[test]
+fn a_log_with_something_of_anothers_among_what_was_added_is_refused() {
+    let enriched = enriched_log();
+    for kind in [op::MESSAGE, op::CHUNK, op::ATTACHMENT, op::METADATA] {
+        // One of the log's own of that kind, or a message of its own. Its first chunk has none.
+        let mut parts = Parts::of(&enriched);
+        parts.data.retain(|(opcode, _)| *opcode == kind);
+        let message = serialize(&MessageHeader {
+            channel_id: 2,
+            sequence: 0,
+            log_time: 1_000_000_000,
+            publish_time: 0,
+        });
+        let record = parts.data.into_iter().nth(usize::from(kind == op::CHUNK));
+        let body = record.map_or(message, |(_, body)| body);
+        is_lost(with_record_inside(&enriched, kind, body));
+    }
+}
+
+#[test]
 fn a_log_whose_beginning_has_changed_is_refused() {
     let enriched = enriched_log();
     let data_end = original_tail(&enriched).data_end as usize;
@@ -200,6 +227,44 @@ fn a_log_whose_attachment_is_damaged_is_refused() {
     is_lost(with_tail(&enriched, |tail| tail.tail_length = u64::MAX));
     for data_end in [0, 1, enriched.len() as u64, u64::MAX] {
         is_lost(with_tail(&enriched, |tail| tail.data_end = data_end));
+    }
+}
+
+#[test]
+fn an_attachment_with_more_than_the_end_is_refused() {
+    // A record that says nothing new, so that it may be taken for one that flightcam added.
+    let mut parts = Parts::of(&Shape::default().write());
+    let schema = parts
+        .summary
+        .iter()
+        .find(|(opcode, _)| *opcode == op::SCHEMA);
+    let schema = schema.expect("a schema").clone();
+    let length = FRAME_LENGTH + schema.1.len();
+    parts.data.push(schema);
+    parts.data_section_crc = 0;
+    let log = parts.join();
+    let (enriched, _) = enrich_bytes(&log).expect("a result");
+    let start = original_tail(&enriched).data_end as usize - length;
+    let crafted = with_tail(&enriched, |tail| {
+        let mut end = log[start..].to_vec();
+        end[length - 2] ^= 1;
+        tail.data_end = start as u64;
+        tail.tail_length = end.len() as u64;
+        tail.head_sha256 = Sha256::digest(&log[..start.min(65536)]).to_vec();
+        tail.foot_sha256 = Sha256::digest(&log[start.saturating_sub(65536)..start]).to_vec();
+        tail.tail_sha256 = Sha256::digest(&end).to_vec();
+        tail.tail_zstd = zstd::encode_all(&end[..], 1).expect("compressed");
+    });
+    let folder = Folder::with(LOG, crafted);
+    let message = format!("{LOG}: damaged at byte {start}: what is said to be the original's end");
+    for command in [
+        "restore",
+        "restore -o x.mcap",
+        "enrich --in-place",
+        "enrich",
+        "inspect",
+    ] {
+        folder.refuses(&format!("{command} {LOG}"), 1, &message);
     }
 }
 

@@ -7,7 +7,6 @@ use std::{
 };
 
 use super::task::{GLANCE, Task};
-
 use crate::{
     camera::Camera,
     derived::{Derived, Quantity},

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// More threads than this would wait for the disk, or for the one that takes the samples.
-const MOST_WORKERS: usize = 4;
+const MOST_WORKERS: usize = 3;
 
 /// Fewer bytes than this are read about as soon as threads are started.
 const WORTH_THREADS: u64 = 4 * 1024 * 1024;

@@ -221,11 +221,17 @@ impl<'a> Findings<'a> {
             ),
             (None, None) => None,
         };
-        let is_loose = log.contents.has_loose_messages() && self.options.layout == Layout::Append;
-        let loose = is_loose.then(|| {
-            "the log has messages outside chunks, which a chunk index would hide; \
-             the result has none, so seeking in it takes longer"
-                .to_owned()
+        let loose = log.contents.has_loose_messages().then(|| {
+            match self.options.layout {
+                Layout::Append => {
+                    "the log has messages outside chunks, which a chunk index would hide; \
+                     the result has none, so seeking in it takes longer"
+                }
+                Layout::Interleaved => {
+                    "the log has messages outside chunks; the result has them in chunks"
+                }
+            }
+            .to_owned()
         });
         let undecodable = (self.undecodable() > 0)
             .then(|| "some messages do not decode as their schema says".to_owned());

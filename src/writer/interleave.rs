@@ -48,11 +48,11 @@ pub struct Interleaver<'a, W> {
     /// Of the log's bytes so far, where it says what it should be.
     checksum: Option<Hasher>,
     reader: SegmentReader<'a>,
-    copied: Copied<'a>,
+    on_copied: OnCopied<'a>,
 }
 
 /// Is told up to where the log is written, and says whether to go on.
-pub type Copied<'a> = Box<dyn FnMut(u64) -> Result<(), Error> + Send + 'a>;
+pub type OnCopied<'a> = Box<dyn FnMut(u64) -> Result<(), Error> + Send + 'a>;
 
 impl<'a, W: Write> Interleaver<'a, W> {
     /// Begins a log in `out`. The new messages will be in the `format`; errors call what is written to `path`.
@@ -64,7 +64,7 @@ impl<'a, W: Write> Interleaver<'a, W> {
         out: W,
         path: PathBuf,
         format: Format,
-        copied: Copied<'a>,
+        on_copied: OnCopied<'a>,
     ) -> Result<Self, Error> {
         let section = Section::new(out, 0, log.data_crc.map(|_| 0));
         Ok(Self {
@@ -78,7 +78,7 @@ impl<'a, W: Write> Interleaver<'a, W> {
             moves: Moves::default(),
             checksum: log.data_crc.map(|_| Hasher::new()),
             reader: SegmentReader::new(log),
-            copied,
+            on_copied,
             log,
         })
     }
@@ -222,7 +222,7 @@ impl<W: Write> Interleaver<'_, W> {
         }
         let written = self.section.write_gathered(&gathered);
         let index = written.map_err(|source| self.failed(source))?;
-        (self.copied)(run.offset + run.length)?;
+        (self.on_copied)(run.offset + run.length)?;
         Ok(index)
     }
 
@@ -230,7 +230,7 @@ impl<W: Write> Interleaver<'_, W> {
     fn copy(&mut self, range: Range<u64>) -> Result<(), Error> {
         self.moves.push(range.clone(), self.section.position());
         let failed = |source| write_error(&self.path, source);
-        let copied = |done| (self.copied)(done);
+        let copied = |done| (self.on_copied)(done);
         let copied = self.section.copy(&self.log.file, range, failed, copied)?;
         if let (Some(checksum), Some(copied)) = (&mut self.checksum, copied) {
             checksum.combine(&copied);

@@ -43,21 +43,26 @@ impl Original {
     /// Of a log, enriched or not. Nothing is written: of an enriched log the end is merely read from elsewhere.
     ///
     /// # Errors
-    /// The log cannot be read.
+    /// The log cannot be read, or what it carries of its original is none.
     pub fn of(log: Log) -> Result<Self, Error> {
-        Ok(match find(&log)? {
-            Ok((message, tail)) => Self {
-                undone: Ok(provenance::describe(&log)?),
-                log: Log::read(
-                    log.file
-                        .with_tail(message.data_end, tail, message.tail_length),
-                )?,
-            },
-            Err(lost) => Self {
-                log,
-                undone: Err(lost),
-            },
-        })
+        let (message, tail) = match find(&log)? {
+            Ok(found) => found,
+            Err(lost) => {
+                return Ok(Self {
+                    log,
+                    undone: Err(lost),
+                });
+            }
+        };
+        let undone = Ok(provenance::describe(&log)?);
+        let start = message.data_end;
+        let log = Log::read(log.file.with_tail(start, tail, message.tail_length))?;
+        // Its data section is taken from the file itself, so the tail must not have a part of that.
+        if log.data_end != start {
+            let what = "what is said to be the original's end begins elsewhere";
+            return Err(log.file.corrupt(start, what));
+        }
+        Ok(Self { log, undone })
     }
 
     /// Checks that the log has none of the topics that are to be added, be it from an earlier run that cannot be

@@ -73,11 +73,29 @@ pub fn with_metadata(log: &[u8]) -> Vec<u8> {
 pub fn with_tail(enriched: &[u8], change: impl FnOnce(&mut OriginalTail)) -> Vec<u8> {
     let mut tail = original_tail(enriched);
     change(&mut tail);
+    with_last_attachment(enriched, |_| {}, &tail)
+}
+
+/// An enriched log into which something else was put, before the record that ends what flightcam added.
+pub fn with_record_inside(enriched: &[u8], opcode: u8, body: Vec<u8>) -> Vec<u8> {
+    let put = |parts: &mut Parts| {
+        add(parts, opcode, body);
+    };
+    with_last_attachment(enriched, put, &original_tail(enriched))
+}
+
+/// With the attachment that ends the data written anew, and what is to come before it.
+fn with_last_attachment(
+    enriched: &[u8],
+    put_before: impl FnOnce(&mut Parts),
+    tail: &OriginalTail,
+) -> Vec<u8> {
     let mut parts = Parts::of(enriched);
     let (opcode, attachment) = parts.data.pop().expect("a record");
     assert_eq!(opcode, op::ATTACHMENT);
     let index = (parts.summary.iter()).rposition(|(opcode, _)| *opcode == op::ATTACHMENT_INDEX);
     parts.summary.remove(index.expect("its index"));
+    put_before(&mut parts);
     let header = parse(&attachment).expect("an attachment");
     attach(&mut parts, header, &tail.encode_to_vec());
     parts.join()
