@@ -177,6 +177,10 @@ fn a_log_that_another_program_rewrote_is_refused() {
     is_lost(written_anew(&enriched));
     is_lost(with_attachment(&enriched));
     is_lost(with_metadata(&enriched));
+    let mut with_private_record = Parts::of(&enriched);
+    with_private_record.data.push((0x80, b"private".to_vec()));
+    with_private_record.data_section_crc = 0;
+    is_lost(with_private_record.join());
 }
 
 #[test]

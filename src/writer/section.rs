@@ -24,6 +24,9 @@ use crate::{
 /// What is in memory of a log whose bytes pass through this program.
 const PIECE: u64 = 1024 * 1024;
 
+/// The fastest of zstd's levels: of numbers that look like noise the next ones make hardly less.
+const COMPRESSION_LEVEL: i32 = 1;
+
 /// What was added to a data section.
 #[derive(Debug, Default)]
 pub struct Added {
@@ -64,7 +67,7 @@ impl<W: Write> Section<W> {
             out,
             position,
             crc: crc.map(Hasher::new_with_initial),
-            compressor: zstd::bulk::Compressor::new(zstd::DEFAULT_COMPRESSION_LEVEL)?,
+            compressor: zstd::bulk::Compressor::new(COMPRESSION_LEVEL)?,
             added: Added::default(),
         })
     }
