@@ -216,7 +216,10 @@ fn a_stream_that_finds_no_room_is_said_to_be_cut_short() {
     let (code, out, err) =
         folder.run_limited(100, "enrich flight.mcap --depression 30 -o - > result.mcap");
     assert_eq!((code, out.as_str()), (1, ""));
-    assert_reads(&err, "error: -: cannot write the output: File too large");
+    assert_reads(
+        &err,
+        "error: standard output: cannot write the output: File too large",
+    );
     fs::remove_file(folder.path("result.mcap")).expect("what the shell made");
     assert_eq!(folder.contents(), before);
 }
