@@ -6,6 +6,7 @@
 
 pub mod contents;
 pub mod file;
+pub(crate) mod index;
 pub mod journal;
 pub mod locked;
 pub(crate) mod prefix;
@@ -14,7 +15,6 @@ pub mod stream;
 
 mod chunk;
 mod foreign;
-mod index;
 mod picker;
 mod scan;
 mod segment;

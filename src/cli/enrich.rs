@@ -113,7 +113,7 @@ enum Target {
     Stdout,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum LayoutArgument {
     /// Behind the log's data, of which no byte changes
     Append,
@@ -134,12 +134,6 @@ impl Arguments {
     /// Where the result goes. Contradictory arguments end the process here.
     fn target(&self) -> Target {
         let refuse = |problem: &str| wrong_arguments(ErrorKind::ArgumentConflict, problem);
-        if self.in_place && self.layout == LayoutArgument::Interleaved {
-            refuse("--layout interleaved rewrites the whole log, so it cannot be done --in-place");
-        }
-        if is_pipe(&self.input) && self.layout == LayoutArgument::Interleaved {
-            refuse("--layout interleaved needs the log as a file, not from standard input");
-        }
         match &self.output {
             _ if self.in_place && is_pipe(&self.input) => {
                 refuse("standard input cannot be changed --in-place")

@@ -173,40 +173,34 @@ pub fn to_stream(
     derivation: Derivation,
     watcher: &Watcher,
 ) -> Result<Report, Error> {
-    let Named { name, mut stream } = output;
+    let name = output.name;
     if derivation.layout() == Layout::Interleaved {
-        return interleave(log, || Ok(stream), || {}, name, derivation, watcher);
+        return interleave(log, || Ok(output.stream), || {}, name, derivation, watcher);
     }
     let failed = |source| Error::io("cannot write the output", name, source);
+    let copied = |done| watcher.bytes(done, log.data_end);
+    behind(log, output, derivation, watcher, |stream| {
+        copy_data(log, stream, failed, copied)
+    })
+}
+
+/// Writes to a stream that has the log when `begin`, which is called before the first byte, has ended.
+pub fn behind<W: Write + Send>(
+    log: &Log,
+    output: Named<W>,
+    derivation: Derivation,
+    watcher: &Watcher,
+    begin: impl FnOnce(&mut W) -> Result<(), Error>,
+) -> Result<Report, Error> {
+    let Named { name, mut stream } = output;
     let format = derivation.format.clone();
     let begin = || {
-        let copied = |done| watcher.bytes(done, log.data_end);
-        copy_data(log, &mut stream, failed, copied)?;
+        begin(&mut stream)?;
         let appender = Appender::begin(log, stream, name.into(), format)?;
         Ok(Box::new(appender) as BoxedWriter)
     };
     let read = |read, of| watcher.bytes(log.data_end + read, log.data_end + of);
     let (writer, findings, _) = derivation.run(begin, read, || {})?;
-    let written = writer.finish(findings.facts())?;
-    Ok(findings.report(name.into(), written))
-}
-
-/// Writes to a stream that has the log already; `began` is called before the first byte.
-pub fn behind(
-    log: &Log,
-    output: Named<impl Write + Send>,
-    derivation: Derivation,
-    watcher: &Watcher,
-    began: impl FnOnce(),
-) -> Result<Report, Error> {
-    let name = output.name;
-    let format = derivation.format.clone();
-    let begin = || {
-        began();
-        let appender = Appender::begin(log, output.stream, name.into(), format)?;
-        Ok(Box::new(appender) as BoxedWriter)
-    };
-    let (writer, findings, _) = derivation.run(begin, |read, of| watcher.bytes(read, of), || {})?;
     let written = writer.finish(findings.facts())?;
     Ok(findings.report(name.into(), written))
 }

@@ -31,8 +31,7 @@ pub fn enrich_stream(
     options: &Options,
     watch: Watch,
 ) -> Result<Report, Error> {
-    let Named { name, stream } = output;
-    let mut stream = stream;
+    let Named { name, mut stream } = output;
     let watcher = Watcher::new(watch, name.into(), "what was written is not whole");
     let streamed = pass_on(input, name, &mut stream, options, &watcher)?;
     let (original, telemetry) = split(streamed);
@@ -42,8 +41,10 @@ pub fn enrich_stream(
         stream: &mut stream,
     };
     let result = Derivation::new(&original, &telemetry, options).and_then(|derivation| {
-        let began = || is_begun = true;
-        output::behind(&original.log, output, derivation, &watcher, began)
+        output::behind(&original.log, output, derivation, &watcher, |_| {
+            is_begun = true;
+            Ok(())
+        })
     });
     match result {
         Err(cause) if !is_begun => {
@@ -79,7 +80,7 @@ pub fn enrich_stream_to_file(
         name: output,
         stream: file,
     };
-    let report = output::behind(&original.log, output, derivation, &watcher, || {})?;
+    let report = output::behind(&original.log, output, derivation, &watcher, |_| Ok(()))?;
     pending.commit()?;
     Ok(report)
 }

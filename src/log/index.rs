@@ -1,11 +1,13 @@
-//! The message indexes that lie behind a chunk, believed as far as they say what they should.
+//! Message indexes: those that lie behind a chunk, believed as far as they say what they should, and new ones.
+
+use std::collections::BTreeMap;
 
 use mcap::records::{MessageIndex, MessageIndexEntry, op};
 
 use super::{
     contents::{Segment, SegmentKind},
     file::LogFile,
-    record::{FRAME_LENGTH, parse, split_frame},
+    record::{FRAME_LENGTH, parse, push_record, serialize, split_frame},
     summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
 };
 use crate::error::Error;
@@ -37,4 +39,31 @@ pub fn message_index(
         .and_then(|_| parse::<MessageIndex>(body).ok())
         .filter(|index| index.channel_id == channel_id && index.records.len() as u64 == count);
     Ok(index.map(|index| index.records))
+}
+
+/// The message indexes of a chunk whose messages lie so, by channel.
+pub fn new_message_indexes(
+    entries: BTreeMap<u16, Vec<MessageIndexEntry>>,
+) -> impl Iterator<Item = MessageIndex> {
+    entries.into_iter().map(|(channel_id, mut records)| {
+        records.sort_by_key(|entry| entry.log_time);
+        MessageIndex {
+            channel_id,
+            records,
+        }
+    })
+}
+
+/// Appends message indexes to bytes that begin at `position` in the file; gives where each lies, by channel.
+pub fn push_message_indexes(
+    indexes: impl IntoIterator<Item = MessageIndex>,
+    position: u64,
+    bytes: &mut Vec<u8>,
+) -> BTreeMap<u16, u64> {
+    let mut offsets = BTreeMap::new();
+    for index in indexes {
+        offsets.insert(index.channel_id, position + bytes.len() as u64);
+        push_record(bytes, op::MESSAGE_INDEX, &serialize(&index));
+    }
+    offsets
 }

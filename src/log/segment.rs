@@ -9,6 +9,7 @@ use super::{
     chunk::ChunkReader,
     contents::{Segment, SegmentKind},
     file::LogFile,
+    index::new_message_indexes,
     picker::Picker,
     record::{RawMessage, Records},
 };
@@ -78,16 +79,7 @@ impl<'a> SegmentReader<'a> {
             let of_channel = entries.entry(message.channel_id).or_default();
             of_channel.push(MessageIndexEntry { log_time, offset });
         }
-        Ok(entries
-            .into_iter()
-            .map(|(channel_id, mut records)| {
-                records.sort_by_key(|entry| entry.log_time);
-                MessageIndex {
-                    channel_id,
-                    records,
-                }
-            })
-            .collect())
+        Ok(new_message_indexes(entries).collect())
     }
 }
 

@@ -129,7 +129,7 @@ impl<W: Write> Appender<'_, W> {
                 let indexes = reader.message_indexes(segment)?;
                 let mut index = index.clone();
                 let position = self.section.position();
-                let bytes = summary::encode_message_indexes(&mut index, &indexes, position);
+                let bytes = summary::encode_message_indexes(&mut index, indexes, position);
                 let written = self.section.write(&bytes);
                 written.map_err(|source| write_error(&self.path, source))?;
                 self.contents.to_mut().segments[number].kind = SegmentKind::Chunk {

@@ -2,9 +2,12 @@
 
 use std::{collections::BTreeMap, io};
 
-use mcap::records::{ChunkHeader, ChunkIndex, MessageIndex, MessageIndexEntry, op};
+use mcap::records::{ChunkHeader, ChunkIndex, MessageIndexEntry, op};
 
-use crate::log::record::{push_record, serialize};
+use crate::log::{
+    index::{new_message_indexes, push_message_indexes},
+    record::{push_record, serialize},
+};
 
 /// What MCAP calls the compression of new chunks.
 const COMPRESSION: &str = "zstd";
@@ -96,7 +99,8 @@ impl Batch {
         let mut bytes = Vec::with_capacity(body.len());
         push_record(&mut bytes, op::CHUNK, &body);
         let chunk_length = bytes.len() as u64;
-        let message_index_offsets = self.push_indexes(position, &mut bytes);
+        let indexes = new_message_indexes(self.indexes.clone());
+        let message_index_offsets = push_message_indexes(indexes, position, &mut bytes);
         let index = ChunkIndex {
             message_start_time,
             message_end_time,
@@ -109,21 +113,5 @@ impl Batch {
             uncompressed_size: header.uncompressed_size,
         };
         Ok(Chunk { bytes, index })
-    }
-
-    /// Appends the message indexes to the bytes that begin at `position`; tells where each lies.
-    fn push_indexes(&self, position: u64, bytes: &mut Vec<u8>) -> BTreeMap<u16, u64> {
-        let mut offsets = BTreeMap::new();
-        for (&channel_id, entries) in &self.indexes {
-            let mut records = entries.clone();
-            records.sort_by_key(|entry| entry.log_time);
-            offsets.insert(channel_id, position + bytes.len() as u64);
-            let index = MessageIndex {
-                channel_id,
-                records,
-            };
-            push_record(bytes, op::MESSAGE_INDEX, &serialize(&index));
-        }
-        offsets
     }
 }

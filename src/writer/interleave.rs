@@ -201,7 +201,7 @@ impl<W: Write> Interleaver<'_, W> {
     fn write_indexes(&mut self, chunk: &Segment, index: &mut Raw<ChunkIndex>) -> Result<(), Error> {
         let indexes = self.reader.message_indexes(chunk)?;
         let position = self.section.position();
-        let bytes = summary::encode_message_indexes(index, &indexes, position);
+        let bytes = summary::encode_message_indexes(index, indexes, position);
         let written = self.section.write(&bytes);
         written.map_err(|source| self.failed(source))
     }

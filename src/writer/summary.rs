@@ -7,6 +7,7 @@ use mcap::records::{ChunkIndex, Footer, MessageIndex, Statistics, SummaryOffset,
 use super::section::Added;
 use crate::log::{
     contents::{Contents, SegmentKind},
+    index::push_message_indexes,
     record::{Raw, push_record, serialize},
 };
 
@@ -74,15 +75,11 @@ pub fn encode(contents: &Contents, added: &Added, start: u64) -> Vec<u8> {
 /// New message indexes of a chunk that go to `position`, and put into its chunk index where they lie.
 pub fn encode_message_indexes(
     chunk: &mut Raw<ChunkIndex>,
-    indexes: &[MessageIndex],
+    indexes: Vec<MessageIndex>,
     position: u64,
 ) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut offsets = BTreeMap::new();
-    for index in indexes {
-        offsets.insert(index.channel_id, position + bytes.len() as u64);
-        push_record(&mut bytes, op::MESSAGE_INDEX, &serialize(index));
-    }
+    let offsets = push_message_indexes(indexes, position, &mut bytes);
     chunk.change(|chunk| {
         chunk.message_index_offsets = offsets;
         chunk.message_index_length = bytes.len() as u64;

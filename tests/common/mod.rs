@@ -480,12 +480,7 @@ pub fn judge(log: &[u8], result: &[u8], torn: bool) -> Vec<Read> {
         "an index, unless it would hide messages outside chunks"
     );
     if !loose {
-        let mut by_index = indexed(result);
-        assert!(by_index.is_sorted_by_key(|message| message.log_time));
-        let mut by_stream = all;
-        by_index.sort();
-        by_stream.sort();
-        assert!(by_index == by_stream, "the index leads to every message");
+        check_index_leads_to(all, result);
     }
     derived
 }
@@ -502,4 +497,14 @@ pub fn expected_of_any_shape() -> Vec<Read> {
     let log = Shape::default().write();
     let (result, _) = enrich_bytes(&log).expect("a log of the usual shape");
     judge(&log, &result, false)
+}
+
+/// Checks that the index of a log leads to all of its messages, in the order of their times.
+#[track_caller]
+pub fn check_index_leads_to(mut all: Vec<Read>, log: &[u8]) {
+    let mut by_index = indexed(log);
+    assert!(by_index.is_sorted_by_key(|message| message.log_time));
+    by_index.sort();
+    all.sort();
+    assert!(by_index == all, "the index leads to every message");
 }
