@@ -26,7 +26,8 @@
 //! | [`derived`] | what flows from transform to writer | geometry, sample |
 //! | [`transform`] | samples → derived values, a state machine without I/O | the four above |
 //! | [`log`] | the MCAP container: what a log holds, where its bytes lie; its file, locked and changed under a journal | nobody |
-//! | [`source`] | how a log says it: profiles, fields, and decoders for protobuf, JSON, ROS 2 and ROS 1 | log, sample, geometry |
+//! | [`decode`] | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log |
+//! | [`source`] | how a log says it: profiles, and their fields bound to the log's channels | decode, log, sample, geometry |
 //! | [`reader`] | log + source → samples in time order | log, source, sample |
 //! | [`messages`] | how derived values are said in protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
 //! | [`writer`] | derived values → channels added to a log; the original that an enriched log carries; destinations | log, derived, messages |
@@ -52,6 +53,7 @@
 #![warn(missing_docs)]
 
 pub mod camera;
+pub mod decode;
 pub mod derived;
 pub mod enrich;
 pub mod error;

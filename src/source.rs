@@ -1,7 +1,6 @@
 //! How a log says it: the profile that fits, the channels that it names, and their messages → samples.
 
 pub mod candidates;
-pub mod path;
 pub mod profile;
 pub mod request;
 
@@ -9,16 +8,9 @@ mod alternative;
 mod binder;
 mod binding;
 mod channel;
-mod examples;
-mod field;
 mod finder;
-mod json;
-mod protobuf;
-mod ros;
-mod schema;
 mod selection;
 mod topic;
-mod unresolved;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,12 +18,12 @@ use mcap::records::Channel;
 use serde::Serialize;
 
 use crate::{
+    decode::path::FieldPath,
     log::{Log, record::RawMessage},
     sample::{DropReason, Kind, Sample},
 };
 use channel::{ChannelSource, LargestAngles};
 use finder::Fit;
-use path::FieldPath;
 use profile::Profile;
 
 /// The telemetry of one log: which channels have it, and how to read their messages. Clones may read some of the

@@ -4,9 +4,9 @@ mod common;
 
 use common::folder::assert_reads;
 use flightcam::{
+    decode::path::FieldPath,
     sample::GimbalReference,
     source::{
-        path::FieldPath,
         profile::{
             AttitudeSource, Components, Coordinates, Euler, GimbalOrientation, GimbalSource,
             Orientation, Pitch, Place, PositionSource, Quaternion, TimeSource, VelocitySource,

@@ -3,7 +3,7 @@
 mod common;
 
 use common::folder::assert_reads;
-use flightcam::source::path::{FieldPath, MessagePath, Step};
+use flightcam::decode::path::{FieldPath, MessagePath, Step};
 use proptest::prelude::*;
 
 fn field(path: &str) -> FieldPath {

@@ -3,13 +3,12 @@
 use super::{
     binder::Binder,
     binding::{BoundOrientation, Quantity, Reading, Role},
-    path::FieldPath,
     profile::{
         AttitudeSource, Coordinates, GimbalOrientation, GimbalSource, Orientation, Place,
         PositionSource, Profile, VelocitySource,
     },
-    unresolved::Unresolved,
 };
+use crate::decode::{path::FieldPath, unresolved::Unresolved};
 use crate::sample::Kind;
 
 /// One of the alternatives that a profile lists for a role.

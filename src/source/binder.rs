@@ -2,11 +2,13 @@
 
 use super::{
     binding::{BoundComponents, BoundCondition, BoundOrientation, BoundTest, BoundTime, Slot},
-    field::{FieldKind, Shape, Wanted},
-    path::FieldPath,
     profile::{
         Components, Condition, Euler, Quaternion, Test, TimeSource, convention::QuaternionOrder,
     },
+};
+use crate::decode::{
+    field::{FieldKind, Shape, Wanted},
+    path::FieldPath,
     schema::Schema,
     unresolved::Unresolved,
 };

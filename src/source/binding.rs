@@ -1,12 +1,10 @@
 //! What a profile says of a channel, with its fields resolved to the slots that the decoder fills.
 
-use super::{
-    path::FieldPath,
-    profile::convention::{
-        AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
-        SpeedUnit, TimeUnit, VelocityFrame,
-    },
+use super::profile::convention::{
+    AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
+    SpeedUnit, TimeUnit, VelocityFrame,
 };
+use crate::decode::path::FieldPath;
 use crate::sample::{GimbalReference, Kind};
 
 /// Where the decoder puts a field's value.

@@ -7,15 +7,17 @@ use mcap::records::Channel;
 use super::{
     alternative::{Alternative, bind_role, meant_for},
     binder::Binder,
-    examples::{self, Examples},
     finder::is_within,
     profile::{AttitudeSource, GimbalSource, PositionSource, Profile, VelocitySource},
     request::Request,
-    schema::Schema,
     topic::Pattern,
-    unresolved::Unresolved,
 };
 use crate::{
+    decode::{
+        examples::{self, Examples},
+        schema::Schema,
+        unresolved::Unresolved,
+    },
     log::{LONGEST_EXAMPLE, contents::Definitions, stream::Passing},
     sample::Kind,
 };

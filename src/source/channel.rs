@@ -9,12 +9,14 @@ use super::{
         BoundComponents, BoundCondition, BoundOrientation, BoundTest, BoundTime, Quantity, Reading,
         Role, Slot,
     },
-    field::{FieldValue, Number, Slots, Wanted},
     profile::convention::AngleUnit,
-    schema::{Decoder, Schema},
-    unresolved::Unresolved,
 };
 use crate::{
+    decode::{
+        field::{FieldValue, Number, Slots, Undecodable, Wanted},
+        schema::{Decoder, Schema},
+        unresolved::Unresolved,
+    },
     geometry::RollPitchYaw,
     log::record::RawMessage,
     sample::{
@@ -323,4 +325,14 @@ fn largest_angles(quantity: &Quantity, values: &[FieldValue]) -> LargestAngles {
         };
     }
     LargestAngles::default()
+}
+
+impl From<Undecodable> for DropReason {
+    fn from(undecodable: Undecodable) -> Self {
+        match undecodable {
+            Undecodable::Malformed => Self::Undecodable,
+            Undecodable::Xcdr2 => Self::Xcdr2,
+            Undecodable::ParameterList => Self::ParameterList,
+        }
+    }
 }

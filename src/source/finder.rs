@@ -12,15 +12,21 @@ use super::{
     binder::Binder,
     binding::Role,
     channel::ChannelSource,
-    examples::Examples,
-    path::FieldPath,
     profile::{AttitudeSource, GimbalSource, Place, PositionSource, Profile, VelocitySource},
     request::{Request, Told},
-    schema::Schema,
     topic::Pattern,
-    unresolved::{Unresolved, quote},
 };
-use crate::{error::Error, log::Log, sample::Kind};
+use crate::{
+    decode::{
+        examples::Examples,
+        path::FieldPath,
+        schema::Schema,
+        unresolved::{Unresolved, quote},
+    },
+    error::Error,
+    log::Log,
+    sample::Kind,
+};
 
 /// A place in a log that a profile fits: one vehicle, or where a profile names no topics, one topic.
 #[derive(Debug, Clone)]

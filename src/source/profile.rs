@@ -11,8 +11,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::path::{FieldPath, NotAPath};
-use crate::{error::Error, sample::GimbalReference};
+use crate::{
+    decode::path::{FieldPath, NotAPath},
+    error::Error,
+    sample::GimbalReference,
+};
 use convention::{
     AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
     SpeedUnit, TimeUnit, VelocityFrame,

@@ -4,13 +4,12 @@ use std::{cmp::Reverse, collections::BTreeSet};
 
 use super::{
     RunnerUp, Source,
-    examples::Examples,
     finder::{Finder, Fit, Specificity, specificity},
     profile::{Profile, ProfileChoice},
     request::Request,
     topic::describe_topics,
 };
-use crate::{error::Error, log::Log, sample::Kind};
+use crate::{decode::examples::Examples, error::Error, log::Log, sample::Kind};
 
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -4,8 +4,9 @@ use toml::{Table, Value};
 
 use super::{GimbalOrientation, PITCH_ALONE, Place, Profile, convention::Convention};
 use crate::{
+    decode::path::MessagePath,
     sample::{GimbalReference, Kind},
-    source::{path::MessagePath, topic::VEHICLE},
+    source::topic::VEHICLE,
 };
 
 /// The keys of a role below which paths are found.

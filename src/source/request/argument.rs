@@ -5,10 +5,8 @@ use std::str::FromStr;
 use serde::de::{DeserializeOwned, IntoDeserializer, value::Error as NotOneOf};
 
 use super::BadArgument;
-use crate::source::{
-    path::{FieldPath, MessagePath},
-    profile::{Components, Euler, Place, Quaternion, convention::AngleUnit},
-};
+use crate::decode::path::{FieldPath, MessagePath};
+use crate::source::profile::{Components, Euler, Place, Quaternion, convention::AngleUnit};
 
 /// The parts of an argument: the topic, its fields, and the words behind the colons.
 pub struct Parts {

@@ -7,7 +7,7 @@ use super::{
     message::{Element, Field, Message, Type},
     wire::{Cursor, Dialect, Scalar},
 };
-use crate::source::{
+use crate::decode::{
     field::{FieldTree, FieldValue, Shape, Undecodable},
     unresolved::Unresolved,
 };

@@ -4,7 +4,6 @@ use super::{
     path::{FieldPath, Step},
     unresolved::Unresolved,
 };
-use crate::sample::DropReason;
 
 /// A field that a role is made of.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -255,16 +254,6 @@ pub enum Undecodable {
     Xcdr2,
     /// It is encoded as a CDR parameter list, which is not supported.
     ParameterList,
-}
-
-impl From<Undecodable> for DropReason {
-    fn from(undecodable: Undecodable) -> Self {
-        match undecodable {
-            Undecodable::Malformed => Self::Undecodable,
-            Undecodable::Xcdr2 => Self::Xcdr2,
-            Undecodable::ParameterList => Self::ParameterList,
-        }
-    }
 }
 
 impl From<prost::DecodeError> for Undecodable {

@@ -12,7 +12,7 @@ use super::{
     message::{Element, Field, Message, Type},
     wire::{Dialect, Scalar},
 };
-use crate::source::unresolved::Unresolved;
+use crate::decode::unresolved::Unresolved;
 
 /// How many messages may lie within each other. Those of ROS's own packages are at most seven.
 const MAX_HEIGHT: usize = 64;

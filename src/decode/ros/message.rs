@@ -6,7 +6,7 @@ use super::{
     layout::{Extent, Length, Skip},
     wire::{Dialect, Scalar},
 };
-use crate::source::field::FieldKind;
+use crate::decode::field::FieldKind;
 
 /// A message type.
 #[derive(Debug)]
