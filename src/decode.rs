@@ -5,10 +5,10 @@
 
 pub mod path;
 
+pub(crate) mod error;
 pub(crate) mod examples;
 pub(crate) mod field;
 mod json;
 mod protobuf;
 mod ros;
 pub(crate) mod schema;
-pub(crate) mod unresolved;

@@ -1,8 +1,8 @@
 //! Fields of messages: what is wanted of them, what they held, and where a decoder looks for them.
 
 use super::{
+    error::SchemaError,
     path::{FieldPath, Step},
-    unresolved::Unresolved,
 };
 
 /// A field that a role is made of.
@@ -309,13 +309,13 @@ pub struct Overlap;
 /// of its root.
 pub fn tree<Name: PartialEq + Clone, Leaf>(
     wanted: Vec<(&FieldPath, Vec<Key<Name>>, Leaf)>,
-) -> Result<Branches<Name, Leaf>, Unresolved> {
+) -> Result<Branches<Name, Leaf>, SchemaError> {
     let mut root = Vec::new();
     let mut lists = 0;
     for (path, keys, leaf) in wanted {
         let path = path.clone();
         insert(&mut root, &keys, leaf, &mut lists)
-            .map_err(|Overlap| Unresolved::Overlap { path })?;
+            .map_err(|Overlap| SchemaError::Overlap { path })?;
     }
     Ok(root)
 }

@@ -6,13 +6,13 @@ use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Unexpected, V
 use serde_json::Value;
 
 use super::{
+    error::SchemaError,
     examples::Examples,
     field::{
         Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
         tree,
     },
     path::{FieldPath, Step},
-    unresolved::Unresolved,
 };
 
 /// What is known of a channel's messages: what its JSON Schema lists, and what its first messages have. JSON
@@ -45,10 +45,10 @@ impl<'a> Schema<'a> {
         schema: &[u8],
         examples: &'a Examples<'a>,
         channel_id: u16,
-    ) -> Result<Self, Unresolved> {
+    ) -> Result<Self, SchemaError> {
         let schema = match schema {
             b"" => Value::Null,
-            schema => serde_json::from_slice(schema).map_err(|error| Unresolved::Schema {
+            schema => serde_json::from_slice(schema).map_err(|error| SchemaError::Schema {
                 problem: format!("its JSON schema cannot be read: {error}"),
             })?,
         };
@@ -60,7 +60,7 @@ impl<'a> Schema<'a> {
     }
 
     /// What a path leads to: as the JSON Schema says, and where that leaves it open, in one of the first messages.
-    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, Unresolved> {
+    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         let listed = match look_up(&self.schema, path) {
             Listing::Closed => {
                 return Err(no_such_field(
@@ -89,7 +89,7 @@ impl<'a> Schema<'a> {
     }
 
     /// A decoder that puts the n-th wanted field into slot n.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, Unresolved> {
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, SchemaError> {
         let leaves = wanted
             .iter()
             .enumerate()
@@ -117,9 +117,9 @@ impl Decoder {
     }
 }
 
-fn no_such_field(path: &FieldPath, place: &str, object: &Value) -> Unresolved {
+fn no_such_field(path: &FieldPath, place: &str, object: &Value) -> SchemaError {
     let object = object.as_object();
-    Unresolved::NoSuchField {
+    SchemaError::NoSuchField {
         lacking: vec![path.clone()],
         place: place.to_owned(),
         available: object.map_or_else(Vec::new, |object| object.keys().cloned().collect()),

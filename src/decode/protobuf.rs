@@ -10,12 +10,12 @@ use prost::{
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
 use super::{
+    error::SchemaError,
     field::{
         Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
         tree,
     },
     path::{FieldPath, Step},
-    unresolved::Unresolved,
 };
 
 /// A message type, with those that it is made of.
@@ -76,8 +76,8 @@ struct Target {
 
 impl Schema {
     /// Of a serialised `FileDescriptorSet` and a message's full name.
-    pub fn new(name: &str, descriptors: &[u8]) -> Result<Self, Unresolved> {
-        let unreadable = |problem: String| Unresolved::Schema { problem };
+    pub fn new(name: &str, descriptors: &[u8]) -> Result<Self, SchemaError> {
+        let unreadable = |problem: String| SchemaError::Schema { problem };
         let pool = DescriptorPool::decode(descriptors)
             .map_err(|error| unreadable(format!("its protobuf schema cannot be read: {error}")))?;
         let message = pool
@@ -87,12 +87,12 @@ impl Schema {
     }
 
     /// What a path leads to.
-    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, Unresolved> {
+    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         self.resolve(path).map(|target| target.kind())
     }
 
     /// A decoder that puts the n-th wanted field into slot n.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, Unresolved> {
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, SchemaError> {
         let mut leaves = Vec::new();
         for (slot, Wanted { path, shape }) in wanted.iter().enumerate() {
             let Target { field, keys, .. } = self.resolve(path)?;
@@ -115,10 +115,10 @@ impl Schema {
         })
     }
 
-    fn resolve(&self, path: &FieldPath) -> Result<Target, Unresolved> {
+    fn resolve(&self, path: &FieldPath) -> Result<Target, SchemaError> {
         let mut target: Option<Target> = None;
         for step in path.steps() {
-            let is_not = |target: &Target| Unresolved::NotThere {
+            let is_not = |target: &Target| SchemaError::NotThere {
                 path: path.clone(),
                 through: target.field.name().to_owned(),
                 kind: target.kind().describe(),
@@ -133,7 +133,7 @@ impl Schema {
                         },
                     };
                     let field = message.get_field_by_name(name);
-                    let field = field.ok_or_else(|| Unresolved::NoSuchField {
+                    let field = field.ok_or_else(|| SchemaError::NoSuchField {
                         lacking: vec![path.clone()],
                         place: message.full_name().to_owned(),
                         available: names(&message),

@@ -18,9 +18,9 @@ mod wire;
 use std::sync::Arc;
 
 use super::{
+    error::SchemaError,
     field::{FieldKind, FieldTree, Key, Slots, Undecodable, Wanted, tree},
     path::{FieldPath, Step},
-    unresolved::Unresolved,
 };
 use layout::Length;
 use message::{Element, Message, Type};
@@ -43,31 +43,31 @@ pub struct Decoder {
 
 impl Schema {
     /// Of ROS 2: a type's name, `pkg/msg/Type` or `pkg/Type`, and its `ros2msg` definition.
-    pub fn ros2(name: &str, definition: &[u8]) -> Result<Self, Unresolved> {
+    pub fn ros2(name: &str, definition: &[u8]) -> Result<Self, SchemaError> {
         Self::new(Dialect::Ros2, name, definition)
     }
 
     /// Of ROS 1: a type's name, `pkg/Type`, and its `ros1msg` definition.
-    pub fn ros1(name: &str, definition: &[u8]) -> Result<Self, Unresolved> {
+    pub fn ros1(name: &str, definition: &[u8]) -> Result<Self, SchemaError> {
         Self::new(Dialect::Ros1, name, definition)
     }
 
-    fn new(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Self, Unresolved> {
+    fn new(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Self, SchemaError> {
         let message = definition::parse(dialect, name, definition)?;
         Ok(Self { dialect, message })
     }
 
     /// What a path leads to.
-    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, Unresolved> {
+    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         Ok(self.find(path)?.kind())
     }
 
     /// Resolves fields. The value of the n-th field goes to slot n.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, Unresolved> {
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, SchemaError> {
         let mut leaves = Vec::new();
         for (slot, Wanted { path, shape }) in wanted.iter().enumerate() {
             let found = self.find(path)?;
-            let read = Op::read(&found, shape, slot).ok_or_else(|| Unresolved::WrongShape {
+            let read = Op::read(&found, shape, slot).ok_or_else(|| SchemaError::WrongShape {
                 path: path.clone(),
                 wanted: shape.describe(),
                 kind: found.kind().describe(),
@@ -81,14 +81,14 @@ impl Schema {
         })
     }
 
-    fn find(&self, path: &FieldPath) -> Result<Type, Unresolved> {
+    fn find(&self, path: &FieldPath) -> Result<Type, SchemaError> {
         let mut found = Type::from(Element::Message(Arc::clone(&self.message)));
         let mut through = String::new();
         for step in path.steps() {
             found = match (step, found.list, &found.element) {
                 (Step::Name(name), None, Element::Message(message)) => {
                     let field = message.fields.iter().find(|field| field.name == *name);
-                    let field = field.ok_or_else(|| Unresolved::NoSuchField {
+                    let field = field.ok_or_else(|| SchemaError::NoSuchField {
                         lacking: vec![path.clone()],
                         place: message.name.clone(),
                         available: message.field_names(),
@@ -96,14 +96,14 @@ impl Schema {
                     field.value.clone()
                 }
                 (&Step::Index(index), Some(Length::Fixed(length)), _) if index >= length => {
-                    return Err(Unresolved::OutOfRange {
+                    return Err(SchemaError::OutOfRange {
                         path: path.clone(),
                         length,
                     });
                 }
                 (Step::Index(_), Some(_), element) => Type::from(element.clone()),
                 _ => {
-                    return Err(Unresolved::NotThere {
+                    return Err(SchemaError::NotThere {
                         path: path.clone(),
                         through,
                         kind: found.kind().describe(),

@@ -3,12 +3,12 @@
 use mcap::records::Channel;
 
 use super::{
+    error::SchemaError,
     examples::Examples,
     field::{FieldKind, Slots, Undecodable, Wanted},
     json,
     path::FieldPath,
     protobuf, ros,
-    unresolved::Unresolved,
 };
 use crate::log::contents;
 
@@ -34,7 +34,7 @@ impl<'a> Schema<'a> {
         channel: &Channel,
         schema: Option<&contents::Schema>,
         examples: &'a Examples<'a>,
-    ) -> Result<Self, Unresolved> {
+    ) -> Result<Self, SchemaError> {
         let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
         match (channel.message_encoding.as_str(), schema_encoding, schema) {
             ("protobuf", "protobuf", Some(schema)) => {
@@ -50,7 +50,7 @@ impl<'a> Schema<'a> {
             ("ros1", "ros1msg", Some(schema)) => {
                 ros::Schema::ros1(&schema.name, schema.data()).map(Self::Ros)
             }
-            (message_encoding, schema_encoding, _) => Err(Unresolved::Encoding {
+            (message_encoding, schema_encoding, _) => Err(SchemaError::Encoding {
                 message_encoding: message_encoding.to_owned(),
                 schema_encoding: schema_encoding.to_owned(),
             }),
@@ -58,7 +58,7 @@ impl<'a> Schema<'a> {
     }
 
     /// What a path leads to.
-    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, Unresolved> {
+    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         match self {
             Self::Protobuf(schema) => schema.kind_of(path),
             Self::Json(schema) => schema.kind_of(path),
@@ -67,7 +67,7 @@ impl<'a> Schema<'a> {
     }
 
     /// A decoder that puts the n-th wanted field into slot n. All of them were found, in the wanted shape.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, Unresolved> {
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, SchemaError> {
         match self {
             Self::Protobuf(schema) => schema.decoder(wanted).map(Decoder::Protobuf),
             Self::Json(schema) => schema.decoder(wanted).map(Decoder::Json),

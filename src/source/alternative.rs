@@ -8,7 +8,7 @@ use super::{
         PositionSource, Profile, VelocitySource,
     },
 };
-use crate::decode::{path::FieldPath, unresolved::Unresolved};
+use crate::decode::{error::SchemaError, path::FieldPath};
 use crate::sample::Kind;
 
 /// One of the alternatives that a profile lists for a role.
@@ -30,7 +30,7 @@ pub trait Alternative {
     fn fields(&self) -> Vec<&FieldPath>;
 
     /// Resolves what it makes a sample of.
-    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved>;
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, SchemaError>;
 }
 
 /// Binds those alternatives for which the schema has the fields, up to the first that needs no condition.
@@ -41,13 +41,13 @@ pub fn bind_role<A: Alternative>(
     binder: &mut Binder,
     profile: &Profile,
     alternatives: &[&A],
-) -> Result<Role, Unresolved> {
+) -> Result<Role, SchemaError> {
     let mut role = Role {
         kind: A::KIND,
         fields: Vec::new(),
         readings: Vec::new(),
     };
-    let mut nearest: Option<(f64, Unresolved)> = None;
+    let mut nearest: Option<(f64, SchemaError)> = None;
     for &alternative in alternatives {
         match binder.attempt(|binder| bind_reading(binder, profile, alternative)) {
             Ok(reading) => {
@@ -60,7 +60,7 @@ pub fn bind_role<A: Alternative>(
                     break;
                 }
             }
-            Err(unreadable @ Unresolved::Unreadable(_)) => return Err(unreadable),
+            Err(unreadable @ SchemaError::Unreadable(_)) => return Err(unreadable),
             Err(unresolved) => {
                 let share = unresolved.lacks() as f64 / alternative.fields().len() as f64;
                 if nearest.as_ref().is_none_or(|(least, _)| share < *least) {
@@ -82,7 +82,7 @@ pub fn bind_role<A: Alternative>(
 pub fn meant_for<'p, A: Alternative>(
     schema_name: &str,
     alternatives: impl Iterator<Item = &'p A>,
-) -> Result<Vec<&'p A>, Unresolved> {
+) -> Result<Vec<&'p A>, SchemaError> {
     let plain = |name: &str| name.replace("/msg/", "/");
     let is_meant = |place: &Place| {
         let schemas = &place.schemas;
@@ -91,7 +91,7 @@ pub fn meant_for<'p, A: Alternative>(
     let (fitting, others): (Vec<&A>, Vec<&A>) =
         alternatives.partition(|source| is_meant(source.place()));
     match others.first() {
-        Some(other) if fitting.is_empty() => Err(Unresolved::OtherType {
+        Some(other) if fitting.is_empty() => Err(SchemaError::OtherType {
             name: schema_name.to_owned(),
             wanted: other.place().schemas.clone(),
         }),
@@ -103,7 +103,7 @@ fn bind_reading<A: Alternative>(
     binder: &mut Binder,
     profile: &Profile,
     alternative: &A,
-) -> Result<Reading, Unresolved> {
+) -> Result<Reading, SchemaError> {
     let place = alternative.place();
     Ok(Reading {
         condition: match &place.when {
@@ -140,7 +140,7 @@ impl Alternative for AttitudeSource {
         }
     }
 
-    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, SchemaError> {
         let orientation = match &self.orientation {
             Orientation::Quaternion(quaternion) => binder.quaternion(quaternion)?,
             Orientation::Euler(euler) => binder.euler(euler)?,
@@ -177,7 +177,7 @@ impl Alternative for VelocitySource {
         self.vector.paths()
     }
 
-    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, SchemaError> {
         Ok(Quantity::Velocity {
             vector: binder.components(&self.vector, ["x", "y", "z"])?,
             frame: self.frame,
@@ -209,7 +209,7 @@ impl Alternative for GimbalSource {
         }
     }
 
-    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, SchemaError> {
         Ok(Quantity::Gimbal {
             orientation: match &self.orientation {
                 GimbalOrientation::Quaternion(quaternion) => binder.quaternion(quaternion)?,
@@ -253,7 +253,7 @@ impl Alternative for PositionSource {
         }
     }
 
-    fn bind(&self, binder: &mut Binder) -> Result<Quantity, Unresolved> {
+    fn bind(&self, binder: &mut Binder) -> Result<Quantity, SchemaError> {
         Ok(match &self.coordinates {
             Coordinates::Geodetic {
                 latitude,

@@ -7,10 +7,10 @@ use super::{
     },
 };
 use crate::decode::{
+    error::SchemaError,
     field::{FieldKind, Shape, Wanted},
     path::FieldPath,
     schema::Schema,
-    unresolved::Unresolved,
 };
 
 /// Resolves fields against the schema of one channel, and collects them for its decoder.
@@ -47,12 +47,12 @@ impl<'a> Binder<'a> {
     /// Those of `resolve`, or all the fields that are lacking.
     pub fn attempt<T>(
         &mut self,
-        resolve: impl FnOnce(&mut Self) -> Result<T, Unresolved>,
-    ) -> Result<T, Unresolved> {
+        resolve: impl FnOnce(&mut Self) -> Result<T, SchemaError>,
+    ) -> Result<T, SchemaError> {
         let already_wanted = self.wanted.len();
         let resolved = resolve(self);
         let resolved = match (resolved, self.lacking.take()) {
-            (Ok(_), Some(lacking)) => Err(Unresolved::NoSuchField {
+            (Ok(_), Some(lacking)) => Err(SchemaError::NoSuchField {
                 lacking: lacking.fields,
                 place: lacking.place,
                 available: lacking.available,
@@ -66,7 +66,7 @@ impl<'a> Binder<'a> {
     }
 
     /// Resolves a number.
-    pub fn number(&mut self, path: &FieldPath) -> Result<Slot, Unresolved> {
+    pub fn number(&mut self, path: &FieldPath) -> Result<Slot, SchemaError> {
         match self.kind_of(path)? {
             Some(kind) if kind.is_a(&Shape::Number) => Ok(self.slot(path, Shape::Number)),
             Some(kind) => Err(wrong_shape(path, "a number", &kind)),
@@ -79,7 +79,7 @@ impl<'a> Binder<'a> {
         &mut self,
         components: &Components<N>,
         names: [&str; N],
-    ) -> Result<BoundComponents<N>, Unresolved> {
+    ) -> Result<BoundComponents<N>, SchemaError> {
         match components {
             Components::Each(paths) => self.each(paths.each_ref()),
             Components::Together(path) => match self.kind_of(path)? {
@@ -103,7 +103,7 @@ impl<'a> Binder<'a> {
     pub fn each<const N: usize>(
         &mut self,
         paths: [&FieldPath; N],
-    ) -> Result<BoundComponents<N>, Unresolved> {
+    ) -> Result<BoundComponents<N>, SchemaError> {
         let mut slots = [Slot::default(); N];
         for (slot, path) in slots.iter_mut().zip(paths) {
             *slot = self.number(path)?;
@@ -112,7 +112,7 @@ impl<'a> Binder<'a> {
     }
 
     /// Resolves a quaternion.
-    pub fn quaternion(&mut self, quaternion: &Quaternion) -> Result<BoundOrientation, Unresolved> {
+    pub fn quaternion(&mut self, quaternion: &Quaternion) -> Result<BoundOrientation, SchemaError> {
         let Quaternion { fields, order } = quaternion;
         let components = self.components(fields, ["w", "x", "y", "z"])?;
         // The members of a message were just named in this order.
@@ -130,7 +130,7 @@ impl<'a> Binder<'a> {
     }
 
     /// Resolves Euler angles.
-    pub fn euler(&mut self, euler: &Euler) -> Result<BoundOrientation, Unresolved> {
+    pub fn euler(&mut self, euler: &Euler) -> Result<BoundOrientation, SchemaError> {
         Ok(BoundOrientation::Euler {
             rpy: self.each([&euler.roll, &euler.pitch, &euler.yaw])?,
             unit: euler.unit,
@@ -138,7 +138,7 @@ impl<'a> Binder<'a> {
     }
 
     /// Resolves a condition.
-    pub fn condition(&mut self, condition: &Condition) -> Result<BoundCondition, Unresolved> {
+    pub fn condition(&mut self, condition: &Condition) -> Result<BoundCondition, SchemaError> {
         let path = &condition.field;
         Ok(match &condition.test {
             Test::Is(number) => BoundCondition {
@@ -164,7 +164,7 @@ impl<'a> Binder<'a> {
     }
 
     /// Resolves a time.
-    pub fn time(&mut self, source: &TimeSource) -> Result<BoundTime, Unresolved> {
+    pub fn time(&mut self, source: &TimeSource) -> Result<BoundTime, SchemaError> {
         const SECONDS: [&str; 3] = ["sec", "secs", "seconds"];
         const NANOSECONDS: [&str; 5] = ["nanosec", "nsec", "nsecs", "nanos", "nanoseconds"];
         let (path, unit) = match source {
@@ -192,7 +192,7 @@ impl<'a> Binder<'a> {
                     slot: self.slot(path, Shape::Number),
                     unit,
                 }),
-                None => Err(Unresolved::NoUnit { path: path.clone() }),
+                None => Err(SchemaError::NoUnit { path: path.clone() }),
             },
         }
     }
@@ -203,10 +203,10 @@ impl<'a> Binder<'a> {
     }
 
     /// What a path leads to; `None`, and noted, where the schema lacks it.
-    fn kind_of(&mut self, path: &FieldPath) -> Result<Option<FieldKind>, Unresolved> {
+    fn kind_of(&mut self, path: &FieldPath) -> Result<Option<FieldKind>, SchemaError> {
         match self.schema.kind_of(path) {
             Ok(kind) => Ok(Some(kind)),
-            Err(Unresolved::NoSuchField {
+            Err(SchemaError::NoSuchField {
                 lacking,
                 place,
                 available,
@@ -253,8 +253,8 @@ impl<'a> Binder<'a> {
     }
 }
 
-fn wrong_shape(path: &FieldPath, wanted: &'static str, kind: &FieldKind) -> Unresolved {
-    Unresolved::WrongShape {
+fn wrong_shape(path: &FieldPath, wanted: &'static str, kind: &FieldKind) -> SchemaError {
+    SchemaError::WrongShape {
         path: path.clone(),
         wanted,
         kind: kind.describe(),

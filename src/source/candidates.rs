@@ -14,9 +14,9 @@ use super::{
 };
 use crate::{
     decode::{
+        error::SchemaError,
         examples::{self, Examples},
         schema::Schema,
-        unresolved::Unresolved,
     },
     log::{LONGEST_EXAMPLE, contents::Definitions, stream::Passing},
     sample::Kind,
@@ -172,7 +172,7 @@ impl Candidates {
 fn unnamed<'p, A: Alternative>(
     profile: &'p Profile,
     schema_name: &str,
-) -> Result<Vec<&'p A>, Unresolved> {
+) -> Result<Vec<&'p A>, SchemaError> {
     let unnamed = (A::of(profile).iter()).filter(|source| source.place().topics.is_empty());
     meant_for(schema_name, unnamed)
 }

@@ -13,9 +13,9 @@ use super::{
 };
 use crate::{
     decode::{
+        error::SchemaError,
         field::{FieldValue, Number, Slots, Undecodable, Wanted},
         schema::{Decoder, Schema},
-        unresolved::Unresolved,
     },
     geometry::RollPitchYaw,
     log::record::RawMessage,
@@ -57,7 +57,7 @@ impl LargestAngles {
 
 impl ChannelSource {
     /// For roles that were bound to the channel's schema, which wants these fields.
-    pub fn new(schema: &Schema, wanted: &[Wanted], roles: Vec<Role>) -> Result<Self, Unresolved> {
+    pub fn new(schema: &Schema, wanted: &[Wanted], roles: Vec<Role>) -> Result<Self, SchemaError> {
         Ok(Self {
             decoder: Arc::new(schema.decoder(wanted)?),
             slots: Slots::new(wanted),

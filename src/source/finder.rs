@@ -18,10 +18,10 @@ use super::{
 };
 use crate::{
     decode::{
+        error::{SchemaError, quote},
         examples::Examples,
         path::FieldPath,
         schema::Schema,
-        unresolved::{Unresolved, quote},
     },
     error::Error,
     log::Log,
@@ -148,8 +148,8 @@ impl<'a> Finder<'a> {
         let namespace = self.namespace.unwrap_or_default();
         let mut fits = Vec::new();
         let mut misfit = None;
-        let mut nearest: Option<(&str, Unresolved)> = None;
-        let mut opaque: Option<(&str, Unresolved)> = None;
+        let mut nearest: Option<(&str, SchemaError)> = None;
+        let mut opaque: Option<(&str, SchemaError)> = None;
         for topic in self
             .topics
             .keys()
@@ -164,7 +164,7 @@ impl<'a> Finder<'a> {
                         Err(reason) => misfit = misfit.or(Some(reason)),
                     }
                 }
-                Err(Unresolved::Unreadable(error)) => return Err(error),
+                Err(SchemaError::Unreadable(error)) => return Err(error),
                 Err(unresolved) if unresolved.is_opaque() => {
                     opaque = opaque.or(Some((topic, unresolved)));
                 }
@@ -214,7 +214,7 @@ impl<'a> Finder<'a> {
         profile: &Profile,
         namespace: &str,
         topic: &str,
-    ) -> Result<Vec<FieldPath>, Unresolved> {
+    ) -> Result<Vec<FieldPath>, SchemaError> {
         let alternatives = self.at_topic::<AttitudeSource>(profile, namespace, topic, topic);
         let attitude = self.bind(profile, topic, &alternatives);
         if !self.requires(profile, Kind::Velocity) || self.told.contains_key(&Kind::Velocity) {
@@ -294,9 +294,9 @@ impl<'a> Finder<'a> {
                         let topic = topic.to_owned();
                         return Ok(Ok(RoleSource { topic, fields }));
                     }
-                    Err(Unresolved::Unreadable(error)) => return Err(error),
+                    Err(SchemaError::Unreadable(error)) => return Err(error),
                     // An alternative for another type of message says nothing of this one.
-                    Err(Unresolved::OtherType { .. }) => {}
+                    Err(SchemaError::OtherType { .. }) => {}
                     Err(unresolved) => {
                         fault = fault.or_else(|| Some(format!("{topic}: {unresolved}")));
                     }
@@ -334,7 +334,7 @@ impl<'a> Finder<'a> {
         profile: &Profile,
         topic: &str,
         alternatives: &[&A],
-    ) -> Result<Vec<FieldPath>, Unresolved> {
+    ) -> Result<Vec<FieldPath>, SchemaError> {
         let mut fields = Vec::new();
         for channel in &self.topics[topic] {
             let alternatives = self.of_type(channel, alternatives.iter().copied())?;
@@ -369,7 +369,7 @@ impl<'a> Finder<'a> {
         &self,
         channel: &Channel,
         alternatives: impl Iterator<Item = &'p A>,
-    ) -> Result<Vec<&'p A>, Unresolved> {
+    ) -> Result<Vec<&'p A>, SchemaError> {
         let schema = self.log.contents.schema_of(channel);
         let name = schema.map_or("", |schema| schema.name.as_str());
         meant_for(name, alternatives)
@@ -381,7 +381,7 @@ impl<'a> Finder<'a> {
         profile: &Profile,
         fit: &Fit,
         channel: &Channel,
-    ) -> Result<Role, Unresolved> {
+    ) -> Result<Role, SchemaError> {
         let own = fit.attitude.topic.as_str();
         let at_topic = self.at_topic::<A>(profile, &fit.namespace, &channel.topic, own);
         let alternatives = self.of_type(channel, at_topic.into_iter())?;
@@ -411,7 +411,7 @@ impl<'a> Finder<'a> {
             channels.insert(
                 channel.id,
                 source.map_err(|unresolved| match unresolved {
-                    Unresolved::Unreadable(error) => error,
+                    SchemaError::Unreadable(error) => error,
                     other => Error::ProfileDoesNotFit {
                         path: self.log.file.path().into(),
                         profile: profile.name.clone(),
@@ -429,7 +429,7 @@ impl<'a> Finder<'a> {
         fit: &Fit,
         channel: &Channel,
         kinds: impl Iterator<Item = Kind>,
-    ) -> Result<ChannelSource, Unresolved> {
+    ) -> Result<ChannelSource, SchemaError> {
         let schema = self.schema(channel)?;
         let mut binder = Binder::new(&schema);
         let mut roles = Vec::new();
@@ -445,7 +445,7 @@ impl<'a> Finder<'a> {
         ChannelSource::new(&schema, &binder.wanted, roles)
     }
 
-    fn schema(&self, channel: &Channel) -> Result<Schema<'a>, Unresolved> {
+    fn schema(&self, channel: &Channel) -> Result<Schema<'a>, SchemaError> {
         let schema = self.log.contents.schema_of(channel);
         Schema::of(channel, schema, self.examples)
     }

@@ -12,7 +12,7 @@ use super::{
     message::{Element, Field, Message, Type},
     wire::{Dialect, Scalar},
 };
-use crate::decode::unresolved::Unresolved;
+use crate::decode::error::SchemaError;
 
 /// How many messages may lie within each other. Those of ROS's own packages are at most seven.
 const MAX_HEIGHT: usize = 64;
@@ -40,7 +40,7 @@ int32 nsec
 ";
 
 /// The message type of that name, from its definition and those that follow it.
-pub fn parse(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Arc<Message>, Unresolved> {
+pub fn parse(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Arc<Message>, SchemaError> {
     let text = String::from_utf8_lossy(definition);
     let built_in = match dialect {
         Dialect::Ros1 => BUILT_IN_ROS1,
@@ -64,7 +64,7 @@ pub fn parse(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Arc<Mess
 
 /// A definition with nothing but types and names. Constants and default values are never sent, and some that
 /// ROS allows, or that hostile logs hold, would be too much for the parser.
-fn without_values(text: &str) -> Result<String, Unresolved> {
+fn without_values(text: &str) -> Result<String, SchemaError> {
     let mut plain = String::new();
     for (line, number) in text.trim_start_matches('\u{feff}').lines().zip(1..) {
         let code = line.split('#').next().unwrap_or_default().trim();
@@ -98,8 +98,8 @@ fn full_name(name: &str) -> String {
     }
 }
 
-fn unusable(problem: String) -> Unresolved {
-    Unresolved::Schema {
+fn unusable(problem: String) -> SchemaError {
+    SchemaError::Schema {
         problem: format!("its ROS message definition cannot be used: {problem}"),
     }
 }
@@ -113,7 +113,7 @@ struct Definitions<'a> {
 
 impl Definitions<'_> {
     /// A message that lies within `depth` - 1 others.
-    fn message(&mut self, name: &str, depth: usize) -> Result<Arc<Message>, Unresolved> {
+    fn message(&mut self, name: &str, depth: usize) -> Result<Arc<Message>, SchemaError> {
         if let Some(message) = self.messages.get(name) {
             return Ok(Arc::clone(message));
         }

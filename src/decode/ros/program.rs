@@ -8,8 +8,8 @@ use super::{
     wire::{Cursor, Dialect, Scalar},
 };
 use crate::decode::{
+    error::SchemaError,
     field::{FieldTree, FieldValue, Shape, Undecodable},
-    unresolved::Unresolved,
 };
 
 /// Wanted fields by the names that lead to them, each with what reads it.
@@ -69,7 +69,7 @@ impl Program {
         message: &Arc<Message>,
         wanted: Fields,
         dialect: Dialect,
-    ) -> Result<Self, Unresolved> {
+    ) -> Result<Self, SchemaError> {
         let mut compiler = Compiler::new(dialect);
         compiler.value(&Element::Message(Arc::clone(message)).into(), wanted)?;
         // What is left to pass lies behind the last of them.
@@ -132,7 +132,7 @@ impl Compiler {
         }
     }
 
-    fn value(&mut self, value: &Type, wanted: Fields) -> Result<(), Unresolved> {
+    fn value(&mut self, value: &Type, wanted: Fields) -> Result<(), SchemaError> {
         match (wanted, value.list, &value.element) {
             (Fields::Leaf(op), ..) => {
                 self.pass()?;
@@ -161,7 +161,7 @@ impl Compiler {
         length: Length,
         element: &Element,
         mut wanted: Vec<(usize, Fields)>,
-    ) -> Result<Op, Unresolved> {
+    ) -> Result<Op, SchemaError> {
         wanted.sort_unstable_by_key(|(place, _)| *place);
         let value = Type::from(element.clone());
         let program = |(place, wanted)| {
@@ -169,7 +169,7 @@ impl Compiler {
             compiler.value(&value, wanted)?;
             // Behind it comes the next element.
             compiler.pass()?;
-            Ok::<_, Unresolved>((place, Program(compiler.ops)))
+            Ok::<_, SchemaError>((place, Program(compiler.ops)))
         };
         let wanted = wanted.into_iter().map(program).collect::<Result<_, _>>()?;
         Ok(Op::Elements {
@@ -190,9 +190,9 @@ impl Compiler {
     }
 
     /// Over to the field that is looked at.
-    fn pass(&mut self) -> Result<(), Unresolved> {
+    fn pass(&mut self) -> Result<(), SchemaError> {
         match self.barrier.take() {
-            Some(field) => Err(Unresolved::Schema {
+            Some(field) => Err(SchemaError::Schema {
                 problem: format!(
                     "nothing behind the field `{field}` can be read, because there is a `wstring` in it, \
                      which ROS 2's implementations write in different ways"

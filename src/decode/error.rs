@@ -8,7 +8,7 @@ const LISTED: usize = 40;
 
 /// Why a channel's messages cannot be read as a profile says.
 #[derive(Debug, thiserror::Error)]
-pub enum Unresolved {
+pub enum SchemaError {
     #[error(
         "its messages are encoded as `{message_encoding}` {}; \
          flightcam reads protobuf, JSON, ROS 2 (cdr with ros2msg) and ROS 1 (ros1 with ros1msg)",
@@ -63,7 +63,7 @@ pub fn quote(fields: &[FieldPath]) -> String {
     names.join(", ")
 }
 
-impl Unresolved {
+impl SchemaError {
     /// Both, where what is wrong is that fields are lacking; else this one.
     pub fn and(mut self, other: Option<Self>) -> Self {
         if let (Self::NoSuchField { lacking, .. }, Some(Self::NoSuchField { lacking: more, .. })) =
