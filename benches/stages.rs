@@ -1,15 +1,11 @@
 //! How fast each stage of a run is, in samples or messages per second, and a whole run, for their shares in it.
 
-#[path = "../tests/common/mod.rs"]
-mod common;
+#[path = "../tests/suite/support/mod.rs"]
+#[allow(dead_code, unused_imports)]
+mod support;
 
 use std::{collections::BTreeMap, hint::black_box, io, path::PathBuf};
 
-use common::{
-    logbook::request,
-    options,
-    telemetry::{InMemory, Kind, Language, write},
-};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use flightcam::{
     Options,
@@ -23,6 +19,11 @@ use flightcam::{
     transform::{MaxGap, Transform},
     unwatched,
     writer::{Appender, LogWriter},
+};
+use support::{
+    logbook::request,
+    options,
+    telemetry::{InMemory, Kind, Language, write},
 };
 
 /// How many attitudes, and as many velocities, each log has.

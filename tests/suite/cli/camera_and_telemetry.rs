@@ -1,0 +1,329 @@
+//! Telemetry and camera as told on the command line: what comes of it in the result, and what is refused.
+
+use std::f64::consts::PI;
+
+use flightcam::source::{
+    profile::{AttitudeSource, GimbalSource, PositionSource, VelocitySource},
+    request::{BadArgument, RoleArgument},
+};
+use serde_json::{Value, json};
+
+use crate::support::{DERIVED, folder::*, message::Said, stream, topics::*};
+
+/// Enriches a log, which must succeed; gives what the derived messages say, and the report.
+#[track_caller]
+fn enriched(topics: &[Topic], arguments: &str) -> (Vec<Said>, Value) {
+    let folder = Folder::with(LOG, log(topics));
+    let report = folder.reports(&format!("enrich {LOG} {arguments}"), 0);
+    let derived = stream(&folder.read(RESULT), false).into_iter();
+    let derived = derived.filter(|message| DERIVED.contains(&message.topic.as_str()));
+    (derived.map(|message| Said::by(&message)).collect(), report)
+}
+
+#[track_caller]
+fn assert_same(these: &[Said], those: &[Said]) {
+    assert_eq!(these.len(), those.len());
+    for (this, that) in these.iter().zip(those) {
+        assert_eq!((&this.topic, this.stamp), (&that.topic, that.stamp));
+        for (a, b) in this.numbers.iter().zip(that.numbers) {
+            assert!((a - b).abs() < 1e-9, "{this:?} is not {that:?}");
+        }
+    }
+}
+
+#[track_caller]
+fn assert_differ(these: &[Said], those: &[Said]) {
+    let mut pairs = these.iter().zip(those);
+    assert!(pairs.any(|(a, b)| (a.numbers[2] - b.numbers[2]).abs() > 1e-3));
+}
+
+const COUNT: i32 = 50;
+
+fn flat() -> Topic {
+    topic("/drone/state", states(COUNT, 1.0))
+}
+
+/// The same flight with the nose level, so that a fixed camera and one on a gimbal see the same.
+fn level() -> Topic {
+    topic(
+        "/drone/state",
+        states(COUNT, 1.0).map(|mut state| {
+            state["roll"] = json!(0);
+            state["pitch"] = json!(0);
+            state
+        }),
+    )
+}
+
+#[test]
+fn a_log_whose_names_nobody_has_foreseen_yields_the_same_as_flat() {
+    let degrees = states(COUNT, PI / 180.0);
+    let imu = degrees.map(|state| json!({ "att": [state["roll"], state["pitch"], state["yaw"]] }));
+    let centimetres = |speed: &Value| speed.as_f64().unwrap() * 100.0;
+    let gps = states(COUNT, 1.0).map(|state| {
+        json!({ "v": { "x": centimetres(&state["vy"]), "y": centimetres(&state["vx"]), "z": -centimetres(&state["vz"]) } })
+    });
+    let one_off = [topic("/imu", imu), topic("/gps", gps)];
+    let arguments = "--depression 30 --velocity /gps.v:enu:cm/s --attitude /imu.att[0],/imu.att[1],/imu.att[2]:degrees";
+    let (derived, report) = enriched(&one_off, arguments);
+    let (expected, _) = enriched(&[flat()], "--depression 30");
+    assert_same(&derived, &expected);
+    assert_eq!(derived.len(), 49 + 50);
+    assert_eq!(report["profile"]["name"], "command line");
+    assert_eq!(report["attitude"]["topic"], "/imu");
+    assert_eq!(report["velocity"]["topic"], "/gps");
+}
+
+#[test]
+fn every_example_of_the_help_means_something() {
+    fn parses<S>(value: &str) -> bool
+    where
+        RoleArgument<S>: std::str::FromStr<Err = BadArgument>,
+    {
+        value.parse::<RoleArgument<S>>().is_ok()
+    }
+    for subcommand in ["enrich", "inspect"] {
+        let (help, _) = Folder::new().run(&format!("{subcommand} --help"), 0);
+        let words: Vec<&str> = help.split_whitespace().collect();
+        let examples = words
+            .windows(2)
+            .filter(|pair| pair[1].starts_with('/') && pair[0].starts_with("--"));
+        let examples: Vec<(&str, &str)> = examples.map(|pair| (pair[0], pair[1])).collect();
+        assert!(examples.len() >= 10, "{examples:?}");
+        for (option, value) in examples {
+            // One stands in a sentence.
+            let value = value.trim_end_matches(',');
+            assert!(
+                match option {
+                    "--attitude" => parses::<AttitudeSource>(value),
+                    "--velocity" => parses::<VelocitySource>(value),
+                    "--gimbal" => parses::<GimbalSource>(value),
+                    "--position" => parses::<PositionSource>(value),
+                    _ => panic!("{option} {value}"),
+                },
+                "{option} {value}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_help_has_each_option_under_its_heading_and_fits_a_terminal() {
+    for form in ["-h", "--help"] {
+        let (help, _) = Folder::new().run(&format!("enrich {form}"), 0);
+        assert_reads(
+            &help,
+            "Usage: flightcam enrich <INPUT> [--depression <DEG>] [OPTIONS] … \
+             Options: … --output … --max-gap … --encoding … --force … --quiet … --json … \
+             Camera: … --depression … --mount … \
+             Telemetry: … --profile … --namespace … --attitude … --time … \
+             Examples: … flightcam enrich flight.mcap --depression 30",
+        );
+        assert!(
+            help.lines().all(|line| line.chars().count() <= 100),
+            "{help}"
+        );
+    }
+}
+
+mod a_mount {
+    use super::*;
+
+    #[test]
+    fn bolts_the_camera_to_the_airframe() {
+        let (gimballed, _) = enriched(&[level()], "--depression 30");
+        for mount in ["--mount 0,-30,0", "--mount=0,-30,0", "--mount -0,-30.0,0e0"] {
+            let (bolted, report) = enriched(&[level()], mount);
+            assert_same(&bolted, &gimballed);
+            assert_eq!(report["camera"]["kind"], "fixed");
+        }
+        let (tilted, _) = enriched(&[flat()], "--mount 0,-30,0");
+        assert_differ(&tilted, &gimballed);
+        let (rolled, report) = enriched(&[flat()], "--mount -10,-30,20");
+        assert_differ(&rolled, &tilted);
+        assert_eq!(report["camera"]["mount_deg"], json!([-10.0, -30.0, 20.0]));
+    }
+
+    #[test]
+    fn with_a_depression_turns_the_gimballed_camera_sideways() {
+        let (bolted, _) = enriched(&[level()], "--mount 0,-30,90");
+        let (gimballed, report) = enriched(&[level()], "--mount 0,0,90 --depression 30");
+        assert_same(&gimballed, &bolted);
+        assert_eq!(report["camera"]["yaw_offset_deg"], 90.0);
+    }
+
+    #[test]
+    fn that_cannot_be_is_a_wrong_argument() {
+        let folder = Folder::with(LOG, log(&[flat()]));
+        for (arguments, message) in [
+            (
+                "--mount 0,-30",
+                "--mount … write roll, pitch and yaw in degrees, as in 0,-30,0",
+            ),
+            ("--mount 0,down,0", "--mount … not a number"),
+            (
+                "--mount 0,-91,0",
+                "--mount … out of range … pitch from -90 to 90",
+            ),
+            ("--mount 0,nan,0", "--mount … out of range"),
+            (
+                "--depression 30 --mount 5,0,0",
+                "--mount with roll or pitch contradicts --depression … only the yaw",
+            ),
+            (
+                "--depression 30 --mount 0,-30,0",
+                "--mount with roll or pitch contradicts --depression",
+            ),
+            (
+                "--mount 0,-30,0 --gimbal /drone/state.pitch:radians",
+                "--mount contradicts --gimbal … leave one of them out",
+            ),
+        ] {
+            folder.refuses(&format!("enrich {LOG} {arguments}"), 2, message);
+        }
+    }
+}
+
+#[test]
+fn without_any_camera_the_ways_to_tell_it_are_explained() {
+    let message =
+        "--depression DEG is missing … --depression 30 … -30° … --mount ROLL,PITCH,YAW … --gimbal";
+    Folder::with(LOG, log(&[flat()])).refuses(&format!("enrich {LOG}"), 2, message);
+}
+
+mod a_gimbal {
+    use super::*;
+
+    fn pitched(name: &'static str, field: &str, angle: f64) -> Topic {
+        topic(name, (0..COUNT).map(|_| json!({ field: angle })))
+    }
+
+    #[test]
+    fn of_one_field_is_followed() {
+        let (expected, _) = enriched(&[flat()], "--depression 30");
+        for (field, angle, argument) in [
+            ("pitch", -30.0, "/gimbal.pitch:degrees"),
+            ("tilt", 30.0, "/gimbal.tilt:degrees:down"),
+            ("tilt", PI / 6.0, "/gimbal.tilt:down:radians"),
+            ("p", -3000.0, "/gimbal.p:centidegrees"),
+        ] {
+            let topics = [flat(), pitched("/gimbal", field, angle)];
+            let (derived, report) = enriched(&topics, &format!("--gimbal {argument}"));
+            assert_same(&derived, &expected);
+            assert_eq!(report["camera"]["kind"], "gimbal");
+            assert_eq!(report["gimbal"]["topic"], "/gimbal");
+            assert_eq!(report["gimbal"]["used"], COUNT);
+        }
+    }
+
+    #[test]
+    fn may_be_in_the_attitudes_own_messages() {
+        let with_gimbal = states(COUNT, 1.0).map(|mut state| {
+            state["gimbal"] = json!({ "pitch": -45 });
+            state
+        });
+        let (derived, _) = enriched(
+            &[topic("/drone/state", with_gimbal)],
+            "--gimbal /drone/state.gimbal.pitch:degrees",
+        );
+        let (expected, _) = enriched(&[flat()], "--depression 45");
+        assert_same(&derived, &expected);
+    }
+
+    #[test]
+    fn of_the_log_is_followed_unless_the_user_tells_the_angle() {
+        let q = |pitch: f64| json!([(pitch / 2.0).cos(), 0.0, (pitch / 2.0).sin(), 0.0]);
+        let px4 = || {
+            let attitudes = (0..COUNT).map(|i| {
+                let half = 0.01 * f64::from(i);
+                json!({ "q": [half.cos(), 0, 0, half.sin()] })
+            });
+            let gimbal = (0..COUNT).map(|_| json!({ "q": q(-PI / 6.0), "device_flags": 32 }));
+            [
+                topic("/vehicle_attitude", attitudes),
+                topic("/gimbal_device_attitude_status", gimbal),
+            ]
+        };
+        let (followed, report) = enriched(&px4(), "");
+        assert_eq!(report["camera"]["kind"], "gimbal");
+        let (same, report) = enriched(&px4(), "--depression 30");
+        assert_same(&same, &followed);
+        let note =
+            "gimbal's angles on /gimbal_device_attitude_status; --depression was given and wins";
+        assert_reads(report["notes"][0].as_str().expect("a note"), note);
+        let (other, _) = enriched(&px4(), "--depression 60");
+        assert_differ(&other, &followed);
+        let (_, report) = enriched(&px4(), "--mount 0,-30,0");
+        assert_reads(
+            report["notes"][0].as_str().expect("a note"),
+            "--mount was given and wins",
+        );
+    }
+}
+
+mod the_time {
+    use super::*;
+
+    /// Flat telemetry whose messages say when they were made: half a second after they were logged.
+    fn stamped() -> Topic {
+        let stamped = (0..).zip(states(COUNT, 1.0)).map(|(n, mut state)| {
+            let made = time(n) + 500_000_000;
+            state["header"] = json!({ "stamp": { "sec": made / 1_000_000_000, "nanosec": made % 1_000_000_000 } });
+            state["time_usec"] = json!(made / 1000);
+            state["seconds"] = json!(made as f64 / 1e9);
+            state
+        });
+        topic("/drone/state", stamped)
+    }
+
+    #[test]
+    fn of_a_sample_is_what_the_user_says() {
+        for (argument, earlier, later) in [
+            ("", 0, 0),
+            ("--time log", 0, 0),
+            ("--time publish", LATENCY, 0),
+            ("--time header.stamp", 0, 500_000_000),
+            ("--time time_usec:us", 0, 500_000_000),
+            ("--time seconds:s", 0, 500_000_000),
+        ] {
+            let (derived, _) = enriched(&[stamped()], &format!("--depression 30 {argument}"));
+            let of_velocity = derived
+                .iter()
+                .filter(|said| said.topic == "/camera/velocity");
+            let times: Vec<u64> = of_velocity.map(|said| said.log_time).collect();
+            let expected: Vec<u64> = (0..COUNT as u32)
+                .map(|n| time(n) - earlier + later)
+                .collect();
+            assert_eq!(times, expected, "{argument}");
+        }
+    }
+
+    #[test]
+    fn that_cannot_be_is_refused() {
+        let folder = Folder::with(LOG, log(&[stamped()]));
+        for (argument, code, message) in [
+            (
+                "/drone/state.stamp",
+                2,
+                "--time … write log, publish, or a field of the messages without their topic",
+            ),
+            (
+                "time_usec:min",
+                2,
+                "--time … `min` has no meaning here … s, ms, us or ns",
+            ),
+            ("header.stmp", 1, "no field `header.stmp`"),
+            (
+                "header",
+                1,
+                "`header` is not a number or a message of seconds and nanoseconds",
+            ),
+        ] {
+            folder.refuses(
+                &format!("enrich {LOG} --depression 30 --time {argument}"),
+                code,
+                message,
+            );
+        }
+    }
+}

@@ -1,0 +1,390 @@
+//! `flightcam inspect` as a user meets it: words, JSON and exit codes. It leaves no trace in any case.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::support::{folder::*, topics::*, *};
+
+/// Inspects [`LOG`], which must be possible: with this exit code, nothing on standard error, and no file changed.
+/// Gives what was printed.
+#[track_caller]
+fn prints(folder: &Folder, arguments: &str, code: i32) -> String {
+    let before = folder.contents();
+    let (out, err) = folder.run(&format!("inspect {LOG} {arguments}"), code);
+    assert_eq!(err, "", "standard error of `inspect {arguments}`");
+    assert_eq!(folder.contents(), before, "the folder after it");
+    assert!(!out.contains('\x1b'), "{out:?}");
+    out
+}
+
+/// The same with `--json`, which must agree with the words about whether there is a problem.
+#[track_caller]
+fn tells(folder: &Folder, arguments: &str, code: i32) -> Value {
+    let words = prints(folder, arguments, code);
+    assert_eq!(words.contains("enrich would fail: "), code == 1, "{words}");
+    let json = prints(folder, &format!("{arguments} --json"), code);
+    let json: Value = serde_json::from_str(&json).expect("one JSON document");
+    assert_eq!(json["problem"].is_string(), code == 1);
+    json
+}
+
+/// Checks that enriching would fail for this reason.
+#[track_caller]
+fn finds_a_problem(log: &[u8], arguments: &str, problem: &str) -> Value {
+    let told = tells(&Folder::with(LOG, log), arguments, 1);
+    let said = told["problem"].as_str().expect("a problem");
+    assert!(said.starts_with(&format!("{LOG}: ")), "{said}");
+    assert_reads(said, problem);
+    told
+}
+
+#[test]
+fn all_that_was_found_is_laid_out_for_a_narrow_terminal() {
+    let printed = prints(&Folder::with_flight(), "", 0);
+    let expected = "\
+Log         flight.mcap: 210.26 KiB, 3,416 messages on 4 topics
+Profile     flat, chosen because /drone/state has roll, pitch, yaw
+Camera      not told by the log; give enrich --depression or --mount
+Attitude    /drone/state (demo.DroneState, protobuf): roll, pitch, yaw
+            at first roll 0.6°, pitch -0.4°, yaw 75.0°
+Velocity    /drone/state (demo.DroneState, protobuf): vx, vy, vz
+            at first north 0.00, east 0.00, down 0.00 m/s
+Gimbal      none: the profile `flat` has no gimbal
+Position    /drone/state (demo.DroneState, protobuf): latitude, longitude, altitude
+            at first 47.397742° N, 8.545594° E, 535.3 m
+
+          messages     rate  largest gap  invalid    from       to
+Attitude     3,310  50.0 Hz      0.023 s      0 %  0.00 s  66.18 s
+Velocity     3,310  50.0 Hz      0.023 s      0 %  0.00 s  66.18 s
+Position     3,310  50.0 Hz      0.023 s      0 %  0.00 s  66.18 s
+Times count from the first of these messages, at 1778751000.002 s in log time.
+
+Other topics
+  demo (json): 87 messages on 2 topics
+    /camera/trigger, /drone/battery
+  foxglove (json): 19 messages on /drone/log
+
+enrich would write
+  /camera/relative_rpy (flightcam.v1.RelativeRpy, protobuf): up to 3,309 messages
+  /camera/velocity (flightcam.v1.CameraVelocity, protobuf): up to 3,310 messages
+";
+    assert_eq!(printed, expected);
+}
+
+/// Five readings, the fourth without a yaw, and two topics besides.
+fn small_log() -> Folder {
+    let mut state = topic("/drone/state", states(5, 1.0)).of_type("mine.State");
+    state.messages[3] = json!({ "roll": 0, "pitch": 0, "vx": 1, "vy": 2, "vz": 3 })
+        .to_string()
+        .into();
+    let note = |name| topic(name, [json!({ "text": "hello" })]).of_type("mine.Note");
+    Folder::with(LOG, log(&[state, note("/notes"), note("/more/notes")]))
+}
+
+#[test]
+fn the_json_has_every_number_under_names_that_scripts_rely_on() {
+    let mut told = tells(&small_log(), "--profile flat --depression 30", 0);
+    let length = small_log().read(LOG).len();
+    let role = |fields: [&str; 3], used: u64, dropped: Value, first: &str| {
+        json!({
+            "topic": "/drone/state",
+            "fields": fields,
+            "encoding": "json",
+            "schema": "mine.State",
+            "messages": 5,
+            "times": [time(0), time(4)],
+            "rate_hz": 50.0,
+            "largest_gap_s": 0.02,
+            "read": 5,
+            "used": used,
+            "dropped": dropped,
+            "share_invalid": (5 - used) as f64 / 5.0,
+            "first": first,
+        })
+    };
+    let position = told["telemetry"]["roles"]["position"].take();
+    assert_eq!(position.as_object().map(|position| position.len()), Some(1));
+    assert!(position["missing"].is_string());
+    let attitude = "roll 0.0°, pitch -5.7°, yaw 0.0°";
+    let velocity = "north 3.00, east -1.00, down 0.20 m/s";
+    let expected = json!({
+        "input": LOG,
+        "bytes": length,
+        "messages": 7,
+        "topics": 3,
+        "times": [time(0), time(4)],
+        "scanned": false,
+        "telemetry": {
+            "profile": { "name": "flat", "reason": "as asked for; /drone/state has roll, pitch, yaw" },
+            "namespace": "",
+            "runners_up": [],
+            "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
+            "roles": {
+                "gimbal": { "missing": "the profile `flat` has no gimbal" },
+                "attitude": role(["roll", "pitch", "yaw"], 4, json!({ "missing_field": 1 }), attitude),
+                "velocity": role(["vx", "vy", "vz"], 5, json!({}), velocity),
+                "position": null,
+            },
+            "would_write": [
+                {
+                    "topic": "/camera/relative_rpy",
+                    "schema": "flightcam.v1.RelativeRpy",
+                    "encoding": "json",
+                    "at_most": 3,
+                },
+                {
+                    "topic": "/camera/velocity",
+                    "schema": "flightcam.v1.CameraVelocity",
+                    "encoding": "json",
+                    "at_most": 5,
+                },
+            ],
+            "would_not_write": [],
+        },
+        "problem": null,
+        "other_topics": [
+            { "schemas": "mine", "encoding": "json", "messages": 2, "topics": ["/more/notes", "/notes"] },
+        ],
+        "notes": [],
+    });
+    assert_eq!(told, expected);
+}
+
+#[test]
+fn the_camera_is_told_in_words_and_for_scripts() {
+    let flight = Folder::with_flight();
+    assert_eq!(tells(&flight, "", 0)["telemetry"]["camera"], Value::Null);
+    for (arguments, kind, words) in [
+        (
+            "--depression 30",
+            "stabilised",
+            "looks 30° below the horizon",
+        ),
+        (
+            "--mount 0,-30,5",
+            "fixed",
+            "bolted to the airframe at roll 0°, pitch -30°, yaw 5°",
+        ),
+        (
+            "--gimbal /drone/state.pitch:radians:down",
+            "gimbal",
+            "follows the gimbal",
+        ),
+    ] {
+        let told = tells(&flight, arguments, 0);
+        assert_eq!(told["telemetry"]["camera"]["kind"], kind);
+        let words = format!("Camera {words}");
+        let printed = prints(&flight, arguments, 0).replace("Camera      ", "Camera ");
+        assert_reads(&printed, &words);
+    }
+    let message = "--mount with roll or pitch contradicts --depression";
+    flight.refuses(
+        &format!("inspect {LOG} --depression 3 --mount 1,2,3"),
+        2,
+        message,
+    );
+}
+
+#[test]
+fn invalid_samples_and_topics_that_cannot_be_are_explained() {
+    let mut px4 = local_position("/fmu/out/vehicle_local_position");
+    let invalid = json!({ "vx": 1, "vy": 0, "vz": 0, "v_xy_valid": false, "v_z_valid": true });
+    px4.messages[0] = invalid.to_string().into();
+    let attitude = attitude("/fmu/out/vehicle_attitude");
+    let folder = Folder::with(LOG, log(&[attitude.clone(), px4.clone()]));
+    assert_reads(
+        &prints(&folder, "", 0),
+        "Velocity … 1 marked invalid by the log … Velocity         2  50.0 Hz      0.020 s   50.0 %",
+    );
+    px4.messages.truncate(1);
+    let folder = Folder::with(LOG, log(&[attitude, px4]));
+    assert_reads(
+        &prints(&folder, "", 0),
+        "Velocity         1        –            –    100 % … \
+         enrich would write … /camera/relative_rpy … up to 1 message … \
+         but not … /camera/velocity: it takes a usable velocity sample, and … has 0 of 1 usable, 1 marked invalid",
+    );
+}
+
+#[test]
+fn what_looks_odd_is_noted() {
+    let degrees = log(&[topic("/state", states(50, std::f64::consts::PI / 180.0))]);
+    let folder = Folder::with(LOG, degrees);
+    let note = "if they are degrees, use --profile flat-deg";
+    assert_reads(&prints(&folder, "", 0), &format!("Note … {note}"));
+    assert_reads(tells(&folder, "", 0)["notes"][0].as_str().unwrap(), note);
+    assert_eq!(tells(&folder, "--profile flat-deg", 0)["notes"], json!([]));
+
+    let whole = fs::read(repository("fixtures/survey_flight.mcap")).unwrap();
+    let folder = Folder::with(LOG, &whole[..whole.len() * 6 / 10]);
+    assert_reads(
+        &prints(&folder, "", 0),
+        "all of it was read, because no summary … Note … the log breaks off at byte",
+    );
+    let told = tells(&folder, "", 0);
+    let (before, behind) = (
+        told["bytes"].as_u64().unwrap(),
+        told["messages"].as_u64().unwrap(),
+    );
+    assert_eq!(
+        (before, told["scanned"].clone()),
+        (whole.len() as u64 * 6 / 10, json!(true))
+    );
+    assert!((1000..3416).contains(&behind));
+}
+
+#[test]
+fn the_profile_and_what_else_would_fit_are_told() {
+    let topics = [
+        odometry("/odom"),
+        flat("/state"),
+        pose("/drone1/mavros/local_position/pose"),
+        twist("/drone1/mavros/local_position/velocity_local"),
+    ];
+    let folder = Folder::with(LOG, log(&topics));
+    assert_reads(
+        &prints(&folder, "", 0),
+        "Profile     mavros, chosen because /drone1/mavros/local_position/pose has … \
+         nav-msgs fits less well: /odom has … flat fits less well: /state has … \
+         Vehicle     /drone1 … Other topics … nav_msgs (json): 2 messages on /odom",
+    );
+    let telemetry = &tells(&folder, "", 0)["telemetry"];
+    assert_eq!(telemetry["namespace"], "/drone1");
+    let runners_up = telemetry["runners_up"].as_array().expect("a list");
+    let names = runners_up
+        .iter()
+        .map(|other| other["profile"].as_str().unwrap());
+    let names: Vec<&str> = names.collect();
+    assert_eq!(
+        names,
+        [
+            "nav-msgs",
+            "flat",
+            "px4-ulog",
+            "px4-ros2",
+            "ardupilot-ros2",
+            "dji-osdk"
+        ]
+    );
+    let fits = runners_up.iter().map(|other| &other["fits"]);
+    assert!(fits.eq([&json!(true); 2].into_iter().chain([&json!(false); 4])));
+}
+
+#[test]
+fn of_what_fits_equally_well_the_problem_tells_how_to_choose() {
+    let vehicles = ["/a/mavros/imu/data", "/b/mavros/imu/data"].map(|name| {
+        twice(name, json!({ "orientation": quaternion() })).of_type("sensor_msgs/msg/Imu")
+    });
+    let profiles = [
+        attitude("/vehicle_attitude"),
+        attitude("/fmu/out/vehicle_attitude"),
+    ];
+    for (topics, words, choice) in [
+        (
+            ["/a", "/b"].map(flat),
+            "/a and /b fit equally well … ",
+            "--attitude /a",
+        ),
+        (
+            vehicles,
+            "several vehicles, in the namespaces /a, /b … ",
+            "--namespace /a",
+        ),
+        (
+            profiles,
+            "several profiles fit equally well … ",
+            "--profile px4-ulog",
+        ),
+    ] {
+        let log = log(&topics);
+        let told = finds_a_problem(&log, "", &format!("{words}{choice}"));
+        assert_eq!(told["telemetry"], Value::Null);
+        assert_eq!(told["messages"], 4);
+        tells(&Folder::with(LOG, log), choice, 0);
+    }
+}
+
+#[test]
+fn a_log_without_telemetry_is_described_all_the_same() {
+    let battery = topic("/battery", [json!({ "voltage": 15.9 })]);
+    let battery = log(&[battery]);
+    let told = finds_a_problem(
+        &battery,
+        "",
+        "no usable telemetry … px4-ulog: … topics of the log: … /battery",
+    );
+    assert_eq!(told["other_topics"][0]["topics"], json!(["/battery"]));
+    let printed = prints(&Folder::with(LOG, battery), "", 1);
+    assert_reads(
+        &printed,
+        "1 message on 1 topic … enrich would fail: … topics of the log: … /battery (json, no schema)",
+    );
+
+    let told = finds_a_problem(
+        &log(&[]),
+        "",
+        "no usable telemetry … the log has no messages",
+    );
+    assert_eq!(
+        (&told["messages"], &told["times"]),
+        (&json!(0), &Value::Null)
+    );
+
+    let flight = Folder::with_flight().read(LOG);
+    finds_a_problem(&flight, "--profile mavros", "`mavros` does not fit");
+    finds_a_problem(&flight, "--namespace /d", "no topic in the namespace /d");
+    finds_a_problem(
+        &flight,
+        "--attitude /drone/state.q",
+        "--attitude does not fit: … `q`",
+    );
+}
+
+#[test]
+fn of_an_enriched_log_the_original_is_inspected() {
+    let folder = Folder::with_flight();
+    let original = tells(&folder, "", 0);
+    folder.writes(RESULT, &format!("enrich {LOG} --depression 30"), 0);
+    let enriched = Folder::with(LOG, folder.read(RESULT));
+    let mut told = tells(&enriched, "", 0);
+    let notes = told["notes"].take().to_string();
+    assert_reads(&notes, "enriched already … 30° below … of the original");
+    told["notes"] = json!([]);
+    assert_eq!(told, original);
+}
+
+#[test]
+fn a_log_with_topics_like_the_results_would_not_be_enriched() {
+    let foreign = topic("/camera/velocity", [json!({ "x": 1.0 })]);
+    let log = log(&[flat("/state"), foreign]);
+    finds_a_problem(&log, "", "/camera/velocity, which flightcam did not write");
+}
+
+#[test]
+fn what_cannot_be_read_is_an_error() {
+    for (content, message) in [
+        (&b"roll,pitch,yaw\n"[..], "not an MCAP file"),
+        (b"", "the file is empty"),
+        (mcap::MAGIC, "damaged at byte 8"),
+    ] {
+        for json in ["", "--json"] {
+            let message = format!("{LOG}: {message}");
+            Folder::with(LOG, content).refuses(&format!("inspect {LOG} {json}"), 1, &message);
+        }
+    }
+    Folder::new().refuses(&format!("inspect {LOG}"), 1, "flight.mcap: cannot open");
+    let mut flight = Folder::with_flight().read(LOG);
+    flight[100_000..100_100].fill(0xff);
+    Folder::with(LOG, flight).refuses(&format!("inspect {LOG}"), 1, "damaged at byte");
+    // Here already the search for the telemetry fails, which looks into JSON messages.
+    let mut states = log(&[flat("/state")]);
+    let zstd = states
+        .windows(4)
+        .position(|bytes| bytes == b"\x28\xb5\x2f\xfd");
+    let zstd = zstd.expect("a compressed chunk");
+    states[zstd..zstd + 40].fill(0xff);
+    Folder::with(LOG, states).refuses(&format!("inspect {LOG}"), 1, "damaged at byte");
+    let message = "`px4` … px4-ulog, px4-ros2";
+    Folder::with_flight().refuses(&format!("inspect {LOG} --profile px4"), 2, message);
+}

@@ -1,0 +1,90 @@
+//! `flightcam profiles`: what it lists, and that what it prints is a profile.
+
+use std::{collections::BTreeSet, fs};
+
+use flightcam::source::profile::Profile;
+
+use crate::support::{folder::*, repository};
+
+/// The names of the files from which the built-in profiles come.
+fn files() -> BTreeSet<String> {
+    let files = fs::read_dir(repository("profiles")).expect("the folder");
+    files
+        .map(|file| file.expect("a file").path())
+        .map(|path| {
+            path.file_stem()
+                .expect("a name")
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect()
+}
+
+fn printed(name: &str) -> String {
+    let (toml, err) = Folder::new().run(&format!("profiles {name}"), 0);
+    assert_eq!(err, "");
+    toml
+}
+
+#[test]
+fn every_profile_is_listed_on_a_line_with_what_it_is_for() {
+    let list = printed("");
+    let mut listed = BTreeSet::new();
+    for line in list.lines() {
+        let (name, description) = line.split_once("  ").expect("two columns");
+        let description = description.trim();
+        assert!(description.len() > 20, "{line}");
+        let by_name_only = description.ends_with("(only by --profile)");
+        assert_eq!(by_name_only, name == "flat-deg", "{line}");
+        listed.insert(name.to_owned());
+    }
+    assert_eq!(listed, files());
+}
+
+#[test]
+fn a_profile_is_printed_as_it_is_with_the_sources_of_its_conventions() {
+    for profile in Profile::built_in() {
+        let toml = printed(&profile.name);
+        let file = repository(&format!("profiles/{}.toml", profile.name));
+        assert_eq!(toml, fs::read_to_string(file).expect("the file"));
+        assert_eq!(Profile::parse(&toml).expect("a profile"), profile);
+        let is_of_its_own = profile.name.starts_with("flat");
+        assert!(is_of_its_own || toml.contains("https://"));
+    }
+}
+
+#[test]
+fn what_is_printed_works_as_a_profile_of_ones_own() {
+    let folder = Folder::with_flight();
+    let built_in = folder.reports(&format!("enrich {LOG} --depression 30 --profile flat"), 0);
+    folder.add(
+        "mine.toml",
+        printed("flat").replace("name = \"flat\"", "name = \"mine\""),
+    );
+    let mut own = folder.reports(
+        &format!("enrich {LOG} --depression 30 --profile mine.toml --force"),
+        0,
+    );
+    assert_eq!(own["profile"]["name"], "mine");
+    for key in ["profile", "bytes_added"] {
+        own[key] = built_in[key].clone();
+    }
+    assert_eq!(own, built_in);
+
+    for name in files() {
+        folder.add("px4.toml", printed(&name));
+        let fits = name.starts_with("flat");
+        let (_, err) = folder.run(
+            &format!("inspect {LOG} --profile px4.toml"),
+            i32::from(!fits),
+        );
+        assert_eq!(err, "", "{name}: it is a profile");
+    }
+}
+
+#[test]
+fn an_unknown_profile_is_refused_with_those_that_there_are() {
+    let message = "unknown profile `px4`: the built-in profiles are \
+                   px4-ulog, px4-ros2, mavros, ardupilot-ros2, dji-osdk, nav-msgs, flat, flat-deg";
+    Folder::new().refuses("profiles px4", 2, message);
+}

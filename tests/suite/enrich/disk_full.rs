@@ -1,0 +1,287 @@
+//! A disk that is full, or a file that may not grow: a clear error, and everything as it was.
+#![cfg(unix)]
+
+use std::{collections::BTreeSet, fs};
+
+use flightcam::{
+    log::{Log, file::LogFile, locked::Access},
+    writer::original::Original,
+};
+
+use crate::support::{folder::*, shapes::*, small_disk::run_mounting, *};
+
+const JOURNAL: &str = "flight.mcap.flightcam-journal";
+/// What `ulimit -f` counts in.
+const BLOCK: usize = 512;
+
+const UNLIMITED: usize = 1 << 30;
+
+/// What becomes of a run that finds no room.
+#[derive(Debug, PartialEq)]
+enum Outcome {
+    /// It found enough.
+    Done,
+    /// It failed and left everything as it was.
+    Undone,
+    /// It failed, and so did undoing it. The next run did that.
+    Recovered,
+}
+
+/// Runs the program where no file may be longer than so many blocks. Unless that is enough it must fail, with the
+/// words that belong to the outcome.
+#[track_caller]
+fn run(folder: &Folder, limit: usize, arguments: &str, message: &str) -> Outcome {
+    let before = folder.checksums();
+    let (code, out, err) = folder.run_limited(limit, arguments);
+    if code != 1 {
+        assert_eq!(err, "");
+        return Outcome::Done;
+    }
+    assert_eq!(out, "");
+    assert_reads(&err, &format!("error: {message}: File too large"));
+    if !folder.path(JOURNAL).exists() {
+        assert_eq!(
+            folder.checksums(),
+            before,
+            "{arguments} with {limit} blocks"
+        );
+        return Outcome::Undone;
+    }
+    assert_reads(
+        &err,
+        "flight.mcap: moreover, the log could not be brought back to what it was (… File too large …); when there \
+         is room again, `flightcam restore` does that",
+    );
+    // A log that is still whole is given back as one that is not.
+    folder.run_limited(UNLIMITED, "inspect flight.mcap --depression 30");
+    assert_eq!(
+        folder.checksums(),
+        before,
+        "{arguments} with {limit} blocks"
+    );
+    Outcome::Recovered
+}
+
+/// Limits in blocks: those at which so many bytes just find room, or just do not, and none at all.
+fn limits(lengths: &[usize]) -> BTreeSet<usize> {
+    let around = |length: &usize| [length / BLOCK, length.div_ceil(BLOCK)];
+    lengths.iter().flat_map(around).chain([0]).collect()
+}
+
+/// A log whose end is short, and one whose end is long and shrinks to nothing. Each with its result.
+fn logs() -> [[Vec<u8>; 2]; 2] {
+    let fixture = fs::read(repository("fixtures/survey_flight.mcap")).expect("the fixture");
+    [fixture, with_zeros_at_the_end()].map(|log| {
+        let (result, _) = enrich_bytes(&log).expect("a result");
+        [log, result]
+    })
+}
+
+#[test]
+fn a_new_file_that_finds_no_room_is_not_left_behind() {
+    for [log, result] in logs() {
+        for (input, arguments, output, expected) in [
+            (&log, "enrich flight.mcap --depression 30", RESULT, &result),
+            (
+                &result,
+                "restore flight.mcap -o original.mcap",
+                "original.mcap",
+                &log,
+            ),
+            (
+                &result,
+                "enrich flight.mcap --depression 30",
+                RESULT,
+                &result,
+            ),
+        ] {
+            let tail = log.len() - original_tail(&result).data_end as usize;
+            let kept = if input == &log { 0 } else { tail };
+            for limit in limits(&[kept, log.len() / 2, log.len(), result.len()]) {
+                let folder = Folder::with(LOG, input);
+                let message = match limit * BLOCK < kept {
+                    true => {
+                        "flight.mcap: cannot uncompress the original's end into a temporary file"
+                            .into()
+                    }
+                    false => format!("{output}: cannot write the output"),
+                };
+                let outcome = run(&folder, limit, arguments, &message);
+                let is_enough = limit * BLOCK >= expected.len().max(kept);
+                let done = if is_enough {
+                    Outcome::Done
+                } else {
+                    Outcome::Undone
+                };
+                assert_eq!(outcome, done, "{arguments} with {limit} blocks");
+                if is_enough {
+                    assert!(folder.read(output) == *expected);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_change_in_place_that_finds_no_room_is_undone() {
+    for [log, result] in logs() {
+        for (before, arguments, after) in [
+            (
+                &log,
+                "enrich flight.mcap --depression 30 --in-place",
+                &result,
+            ),
+            (
+                &result,
+                "enrich flight.mcap --depression 30 --in-place",
+                &result,
+            ),
+            (&result, "restore flight.mcap", &log),
+        ] {
+            let tail = log.len() - original_tail(&result).data_end as usize;
+            let kept = if before == &log { 0 } else { tail };
+            let journal = journal_length(before);
+            let room = limits(&[kept, journal, log.len() / 2, log.len(), result.len()]);
+            for limit in room {
+                let folder = Folder::with(LOG, before);
+                let room = limit * BLOCK;
+                let (expected, message) = if room < kept {
+                    let message =
+                        "flight.mcap: cannot uncompress the original's end into a temporary file";
+                    (Outcome::Undone, message)
+                } else if room < journal {
+                    let message = "…flight.mcap.flightcam-journal: cannot save the log's end";
+                    (Outcome::Undone, message)
+                } else if room >= after.len() {
+                    (Outcome::Done, "")
+                } else if room >= before.len() {
+                    (Outcome::Undone, "flight.mcap: cannot write the …")
+                } else {
+                    (Outcome::Recovered, "flight.mcap: cannot write the …")
+                };
+                let outcome = run(&folder, limit, arguments, message);
+                assert_eq!(outcome, expected, "{arguments} with {limit} blocks");
+                if outcome == Outcome::Done {
+                    assert!(folder.read_only_one(LOG) == *after);
+                }
+            }
+        }
+    }
+}
+
+/// How long a log's journal is.
+fn journal_length(log: &[u8]) -> usize {
+    let folder = Folder::with(LOG, log);
+    let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
+    let log = Original::of(Log::read(file).expect("a log"))
+        .expect("its original")
+        .log;
+    log.file
+        .change_from(log.data_end, &mut |_| {})
+        .expect("a journal");
+    folder.read(JOURNAL).len()
+}
+
+#[test]
+fn a_log_that_finds_no_room_to_be_brought_back_waits_for_it() {
+    let log = with_zeros_at_the_end();
+    for arguments in ["inspect flight.mcap --depression 30", "restore flight.mcap"] {
+        let folder = Folder::with(LOG, &log);
+        let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
+        let opened = Log::read(file).expect("a log");
+        opened
+            .file
+            .change_from(opened.data_end, &mut |_| {})
+            .expect("a journal");
+        folder.add(LOG, &log[..opened.data_end as usize]);
+        drop(opened);
+        let journal = folder.read(JOURNAL);
+        let (code, _, err) = folder.run_limited(10, arguments);
+        assert_eq!(code, 1);
+        assert_reads(
+            &err,
+            "error: flight.mcap: cannot bring the log back to what it was before an interrupted run: File too large",
+        );
+        assert!(folder.read(JOURNAL) == journal);
+        folder.run(arguments, 0);
+        assert!(folder.read_only_one(LOG) == log);
+    }
+}
+
+#[test]
+fn a_stream_that_finds_no_room_is_said_to_be_cut_short() {
+    let folder = Folder::with_flight();
+    let before = folder.contents();
+    let (code, out, err) =
+        folder.run_limited(100, "enrich flight.mcap --depression 30 -o - > result.mcap");
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert_reads(
+        &err,
+        "error: standard output: cannot write the output: File too large",
+    );
+    fs::remove_file(folder.path("result.mcap")).expect("what the shell made");
+    assert_eq!(folder.contents(), before);
+}
+
+/// Runs the program on disks of many sizes, up to a sufficient one, which hold only the log and what is made of it,
+/// and then looks at what lies there. How many runs found no room.
+fn on_small_disks(
+    log: &[u8],
+    arguments: &str,
+    (output, result): (&str, &[u8]),
+    sufficient: usize,
+) -> Option<usize> {
+    let folder = Folder::with(LOG, log);
+    folder.add("disk/after/.keep", "");
+    let (mut done, mut failed) = (0, 0);
+    let (least, most) = (log.len() / 1024 + 4, sufficient / 1024);
+    for kilobytes in (least..=most).step_by((most - least) / 10) {
+        let script = format!(
+            "mount -t tmpfs -o size={kilobytes}k tmpfs disk && cp {LOG} disk && cd disk && \
+             {{ TMPDIR=. \"$flightcam\" {arguments}; code=$?; }} && rm -rf ../after && cp -a . ../after && exit $code"
+        );
+        let run = run_mounting(&folder, &script)?;
+        let err = String::from_utf8_lossy(&run.stderr);
+        let after = Folder::copy_of(&folder.path("after"));
+        match run.status.code() {
+            Some(0 | 3) => {
+                done += 1;
+                assert_eq!(err, "");
+                assert!(after.read(output) == result);
+            }
+            Some(1) => {
+                failed += 1;
+                assert_reads(&err, "error: … flight.… No space left on device");
+                assert!(after.read_only_one(LOG) == log, "{err}");
+            }
+            other => panic!("{other:?}: {err}"),
+        }
+    }
+    assert!(
+        done > 0,
+        "{sufficient} bytes are not enough for {arguments}"
+    );
+    Some(failed)
+}
+
+#[test]
+fn a_disk_that_is_full_loses_nothing() {
+    let copied = "enrich flight.mcap --depression 30";
+    let in_place = "enrich flight.mcap --depression 30 --in-place";
+    let restore = "restore flight.mcap -o flight.original";
+    let failed = logs().map(|[log, result]| {
+        let enough = 2 * (log.len() + result.len());
+        Some([
+            on_small_disks(&log, copied, (RESULT, &result), enough)?,
+            on_small_disks(&log, in_place, (LOG, &result), enough)?,
+            on_small_disks(&result, in_place, (LOG, &result), enough)?,
+            on_small_disks(&result, "restore flight.mcap", (LOG, &log), enough)?,
+            on_small_disks(&result, restore, ("flight.original", &log), enough)?,
+        ])
+    });
+    if let [Some(of_short_end), Some(of_long_end)] = failed {
+        println!("found no room: {of_short_end:?} and {of_long_end:?} of some 10 runs each");
+        assert!(of_short_end.iter().all(|&failed| failed > 0));
+        assert!(of_long_end[0] > 0 && of_long_end[3] > 0);
+    }
+}

@@ -1,0 +1,334 @@
+//! A log is changed in its own file: by one run at a time, to its end or not at all, wherever the file lies.
+
+use std::{iter, ops::ControlFlow, path::Path};
+
+use flightcam::{
+    Error, Progress, Watch, enrich_in_place,
+    log::{file::LogFile, journal::Step, locked::Access},
+    restore,
+};
+
+use crate::support::{folder::*, shapes::*, *};
+
+/// What may be done to a log without another program's knowing.
+const COMMANDS: [&str; 5] = [
+    "inspect flight.mcap",
+    "enrich flight.mcap --depression 30",
+    "enrich flight.mcap --depression 30 --in-place",
+    "restore flight.mcap",
+    "restore flight.mcap -o original.mcap",
+];
+
+const LOCKED: &str =
+    "flight.mcap: another run of flightcam is using it; try again when that has ended";
+
+#[test]
+fn nobody_meets_a_change_that_is_under_way() {
+    let folder = Folder::with(LOG, Shape::default().write());
+    let path = folder.path(LOG);
+    let mut steps = Vec::new();
+    let mut meanwhile = |progress| {
+        if let Progress::Changed(step) = progress {
+            steps.push(step);
+            for command in COMMANDS {
+                folder.refuses(command, 1, LOCKED);
+            }
+        }
+        ControlFlow::Continue(())
+    };
+    enrich_in_place(&path, &options(), &mut meanwhile).expect("a result");
+    enrich_in_place(&path, &options_at(60.0), &mut meanwhile).expect("a result");
+    restore(&path, &mut meanwhile).expect("the original");
+    assert_eq!(steps, Step::ALL.repeat(3));
+    folder.writes(RESULT, COMMANDS[1], 0);
+}
+
+#[test]
+fn a_log_is_not_changed_while_it_is_read() {
+    let (enriched, _) = enrich_bytes(&Shape::default().write()).expect("a result");
+    let folder = Folder::with(LOG, enriched);
+    let reading = LogFile::open(&folder.path(LOG), Access::Read).expect("it is opened");
+    for changing in [
+        "enrich flight.mcap --depression 30 --in-place",
+        "restore flight.mcap",
+    ] {
+        folder.refuses(changing, 1, LOCKED);
+    }
+    folder.run("inspect flight.mcap --depression 30", 0);
+    folder.writes(RESULT, "enrich flight.mcap --depression 30", 0);
+    drop(reading);
+    folder.writes(LOG, "restore flight.mcap", 0);
+}
+
+#[test]
+fn a_log_is_free_as_soon_as_its_run_has_ended() {
+    let folder = Folder::with(LOG, Shape::default().write());
+    for access in [Access::Read, Access::Change] {
+        let file = LogFile::open(&folder.path(LOG), access).expect("it is opened");
+        // What another thread's new process has open for a moment.
+        let inherited = file.handle().try_clone().expect("a handle");
+        drop(file);
+        LogFile::open(&folder.path(LOG), Access::Change).expect("it is free");
+        drop(inherited);
+    }
+}
+
+/// Lets a run on a log end at each moment at which it can, until it comes to its own end.
+#[track_caller]
+fn end_at_every_moment(log: &[u8], run: impl Fn(&Path, Watch) -> Result<(), Error>) -> Vec<u8> {
+    for moment in iter::successors(Some(0), |moment| Some(2 * moment + 1)) {
+        let folder = Folder::with(LOG, log);
+        let mut passed = 0;
+        let result = run(&folder.path(LOG), &mut |progress| {
+            passed += u32::from(matches!(progress, Progress::Bytes { .. }));
+            match passed > moment {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        });
+        match result {
+            Ok(()) => {
+                assert!(moment > 0);
+                return folder.read_only_one(LOG);
+            }
+            Err(error) => {
+                assert_reads(
+                    &error.to_string(),
+                    "flight.mcap: interrupted; the log is as it was",
+                );
+                assert!(folder.read_only_one(LOG) == log, "at moment {moment}");
+            }
+        }
+    }
+    unreachable!("the run never ends")
+}
+
+#[test]
+fn a_run_that_is_told_to_end_leaves_the_log_as_it_was() {
+    for log in [long_log(), with_zeros_at_the_end()] {
+        let enriched = end_at_every_moment(&log, |log, watch| {
+            enrich_in_place(log, &options(), watch).map(drop)
+        });
+        let other = end_at_every_moment(&enriched, |log, watch| {
+            enrich_in_place(log, &options_at(60.0), watch).map(drop)
+        });
+        let original = end_at_every_moment(&other, |log, watch| restore(log, watch).map(drop));
+        assert!(original == log);
+    }
+}
+
+#[cfg(unix)]
+mod on_unix {
+    use std::{
+        fs,
+        os::unix::fs::{MetadataExt, symlink},
+        process::{Child, Command, Output, Stdio},
+        thread,
+        time::Duration,
+    };
+
+    use assert_cmd::cargo::cargo_bin;
+    use flightcam::log::Log;
+
+    use super::*;
+    use crate::support::small_disk::run_mounting;
+
+    const JOURNAL: &str = "flight.mcap.flightcam-journal";
+
+    /// A log with which the program is busy for a while.
+    fn folder_with_long_log() -> (Folder, Vec<u8>) {
+        let shape = Shape::with(|options| options.chunk_size(Some(1024 * 1024)));
+        let log = Shape {
+            messages: 40_000,
+            ..shape
+        }
+        .write();
+        (Folder::with(LOG, &log), log)
+    }
+
+    /// Starts the program and waits until there is a file in the folder whose name ends like this.
+    fn start(folder: &Folder, arguments: &str, sign: &str) -> Child {
+        let mut program = Command::new(cargo_bin!("flightcam"));
+        program
+            .args(arguments.split(' '))
+            .current_dir(folder.path("."));
+        program.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut program = program.spawn().expect("the program");
+        let is_sign = |entry: fs::DirEntry| entry.file_name().to_string_lossy().ends_with(sign);
+        let folder = folder.path(".");
+        while !fs::read_dir(&folder)
+            .expect("the folder")
+            .flatten()
+            .any(is_sign)
+        {
+            let ended = program.try_wait().expect("it can be asked");
+            assert_eq!(ended, None, "it is busy for long enough");
+            thread::sleep(Duration::from_millis(1));
+        }
+        program
+    }
+
+    fn signal(program: &Child, signals: &[&str]) {
+        for signal in signals {
+            let mut kill = Command::new("kill");
+            kill.args([format!("-{signal}"), program.id().to_string()]);
+            assert!(kill.status().expect("it is sent").success());
+        }
+    }
+
+    fn ended(program: Child) -> (Option<i32>, String) {
+        let Output { status, stderr, .. } = program.wait_with_output().expect("it ends");
+        (status.code(), String::from_utf8(stderr).expect("words"))
+    }
+
+    #[test]
+    fn who_ends_the_program_finds_everything_as_it_was() {
+        let (folder, log) = folder_with_long_log();
+        let (enrich, in_place) = (
+            "enrich flight.mcap --depression 30",
+            "enrich flight.mcap --depression 30 --in-place",
+        );
+        for by in ["INT", "TERM"] {
+            for (arguments, sign, message) in [
+                (
+                    enrich,
+                    ".part",
+                    "flight.enriched.mcap: interrupted; nothing was written",
+                ),
+                (
+                    in_place,
+                    JOURNAL,
+                    "flight.mcap: interrupted; the log is as it was",
+                ),
+            ] {
+                let program = start(&folder, arguments, sign);
+                signal(&program, &[by]);
+                let (code, err) = ended(program);
+                assert_eq!((code, err), (Some(1), format!("error: {message}\n")));
+                assert!(
+                    folder.read_only_one(LOG) == log,
+                    "{arguments} ended by {by}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn who_ends_the_program_twice_need_not_wait() {
+        let (folder, log) = folder_with_long_log();
+        let program = start(
+            &folder,
+            "enrich flight.mcap --depression 30 --in-place",
+            JOURNAL,
+        );
+        // Stopped meanwhile, so that both come before it can do anything about the first.
+        signal(&program, &["STOP", "INT", "TERM", "CONT"]);
+        assert_eq!(ended(program), (Some(1), String::new()));
+        assert!(folder.path(JOURNAL).exists());
+        folder.run("inspect flight.mcap --depression 30", 0);
+        assert!(folder.read_only_one(LOG) == log);
+    }
+
+    #[test]
+    fn a_link_stays_a_link_and_leads_to_the_result() {
+        let log = Shape::default().write();
+        let (enriched, _) = enrich_bytes(&log).expect("a result");
+        let folder = Folder::with("logs/flight.mcap", &log);
+        symlink("logs/flight.mcap", folder.path("link.mcap")).expect("a link");
+        let mut journals = Vec::new();
+        enrich_in_place(&folder.path("link.mcap"), &options(), &mut |_| {
+            journals.push(folder.path("logs").join(JOURNAL).exists());
+            folder.refuses(
+                "restore logs/flight.mcap",
+                1,
+                "logs/flight.mcap: another run",
+            );
+            ControlFlow::Continue(())
+        })
+        .expect("a result");
+        assert!(
+            journals.contains(&true),
+            "the journal lies beside the file itself"
+        );
+        assert!(folder.read("logs/flight.mcap") == enriched);
+        assert!(
+            fs::symlink_metadata(folder.path("link.mcap"))
+                .expect("the link")
+                .is_symlink()
+        );
+
+        // What is cut short under one name is brought back under the other.
+        let file = LogFile::open(&folder.path("link.mcap"), Access::Change).expect("it is opened");
+        let opened = Log::read(file).expect("a log");
+        opened
+            .file
+            .change_from(opened.data_end, &mut |_| {})
+            .expect("a journal");
+        folder.add("logs/flight.mcap", &enriched[..opened.data_end as usize]);
+        drop(opened);
+        folder.run("inspect logs/flight.mcap --depression 30", 0);
+        assert!(folder.read("logs/flight.mcap") == enriched);
+        folder.run("restore link.mcap", 0);
+        assert!(folder.read("logs/flight.mcap") == log);
+        assert_eq!(folder.contents().len(), 3, "the link, the folder, the log");
+    }
+
+    #[test]
+    fn all_names_of_a_file_are_those_of_the_result() {
+        let log = Shape::default().write();
+        let folder = Folder::with(LOG, &log);
+        fs::hard_link(folder.path(LOG), folder.path("other.mcap")).expect("another name");
+        enrich_in_place(&folder.path(LOG), &options(), &mut |_| {
+            folder.refuses("restore other.mcap", 1, "other.mcap: another run");
+            ControlFlow::Continue(())
+        })
+        .expect("a result");
+        let inode = |name| fs::metadata(folder.path(name)).expect("a file").ino();
+        assert_eq!(inode(LOG), inode("other.mcap"));
+        folder.run("restore other.mcap", 0);
+        assert!(folder.read(LOG) == log);
+    }
+
+    #[test]
+    fn a_log_on_a_disk_that_cannot_be_written_to_is_only_read() {
+        let folder = Folder::with(LOG, Shape::default().write());
+        folder.add("disk/.keep", "");
+        let run = |arguments: &str, prepare: &str| {
+            let script = format!(
+                "mount -t tmpfs tmpfs disk && cp {LOG} disk && cd disk && {prepare} && \
+                 mount -o remount,ro . && exec \"$flightcam\" {arguments}"
+            );
+            let run = run_mounting(&folder, &script)?;
+            let err = String::from_utf8(run.stderr).expect("words");
+            Some((run.status.code(), err))
+        };
+        for (arguments, prepare, message) in [
+            ("inspect flight.mcap --depression 30", "true", ""),
+            (
+                "enrich flight.mcap --depression 30 -o ../result.mcap",
+                "true",
+                "",
+            ),
+            (
+                "enrich flight.mcap --depression 30 --in-place",
+                "true",
+                "error: flight.mcap: cannot open the log: Read-only file system",
+            ),
+            (
+                "inspect flight.mcap",
+                "touch flight.mcap.flightcam-journal",
+                "error: flight.mcap: cannot bring the log back to what it was before an interrupted run: Read-only",
+            ),
+        ] {
+            let Some((code, err)) = run(arguments, prepare) else {
+                return;
+            };
+            assert_eq!(
+                code,
+                Some(i32::from(!message.is_empty())),
+                "{arguments}: {err}"
+            );
+            assert!(err.starts_with(message), "{err}");
+        }
+    }
+}

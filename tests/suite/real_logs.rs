@@ -1,0 +1,138 @@
+//! Real flights give what an independent implementation of the design says they must.
+
+use std::fs;
+
+use flightcam::{Report, messages::Encoding};
+
+use crate::support::{message::Said, *};
+
+/// A row of the expectations: topic, log time, three numbers.
+type Row = (String, u64, [f64; 3]);
+
+fn expected(csv: &str) -> Vec<Row> {
+    csv.lines()
+        .skip(1)
+        .map(|line| {
+            let fields: Vec<&str> = line.split(',').collect();
+            let number = |i: usize| fields[i].parse().expect("a number");
+            let time = fields[1].parse().expect("a time");
+            (
+                fields[0].to_owned(),
+                time,
+                [number(2), number(3), number(4)],
+            )
+        })
+        .collect()
+}
+
+fn derived(messages: Vec<Read>) -> Vec<Row> {
+    let row = |message: Read| {
+        let said = Said::by(&message);
+        let frame_id = match message.topic.as_str() {
+            "/camera/velocity" => "camera",
+            _ => "previous_camera",
+        };
+        assert_eq!(
+            (said.stamp, said.frame_id.as_str()),
+            (message.log_time, frame_id)
+        );
+        (message.topic, message.log_time, said.numbers)
+    };
+    messages.into_iter().map(row).collect()
+}
+
+/// Checks a real log's result against the expectations to 1e-9; `None` where there are no real logs.
+fn check(name: &str) -> Option<Report> {
+    check_against(name, name)
+}
+
+/// The same where the expectations are those of a log of another name.
+fn check_against(name: &str, expectations: &str) -> Option<Report> {
+    let folder = real_logs()?;
+    let log = fs::read(folder.join(format!("{name}.mcap"))).expect("the log");
+    let csv = folder.join(format!("{expectations}.expected.csv"));
+    let csv = fs::read_to_string(csv).expect("the numbers");
+    let (result, report) = enrich_bytes(&log).expect("the log is enriched");
+
+    let mut expected = expected(&csv);
+    let mut derived = derived(judge(&log, &result, false));
+    let key = |row: &Row| (row.0.clone(), row.1);
+    expected.sort_by_key(key);
+    derived.sort_by_key(key);
+    assert_eq!(
+        derived.iter().map(key).collect::<Vec<_>>(),
+        expected.iter().map(key).collect::<Vec<_>>()
+    );
+    for ((topic, time, derived), (_, _, expected)) in derived.iter().zip(&expected) {
+        for (derived, expected) in derived.iter().zip(expected) {
+            let error = (derived - expected).abs();
+            assert!(error < 1e-9, "{topic} at {time}: {derived}, not {expected}");
+        }
+    }
+    Some(report)
+}
+
+#[test]
+fn a_real_flight_gives_every_rotation_and_velocity() {
+    let Some(report) = check("test_ulog") else {
+        return;
+    };
+    assert_eq!(report.profile.name, "px4-ulog");
+    assert_eq!(
+        (report.attitude.tally.used, report.velocity.tally.used),
+        (131, 66)
+    );
+}
+
+#[test]
+fn the_same_flight_recorded_in_ros2_gives_the_same() {
+    let Some(report) = check_against("test_ulog.ros2", "test_ulog") else {
+        return;
+    };
+    assert_eq!(report.profile.name, "px4-ros2");
+    assert_eq!(report.encoding.name, Encoding::Ros2);
+    assert_eq!(
+        (report.attitude.tally.used, report.velocity.tally.used),
+        (131, 66)
+    );
+}
+
+#[test]
+fn resets_of_the_estimator_and_invalid_velocities_are_left_out() {
+    let Some(report) = check("sample_px4_events") else {
+        return;
+    };
+    assert_eq!(report.breaks.resets, 2);
+    let dropped: Vec<(&str, u64)> = report
+        .velocity
+        .tally
+        .dropped
+        .iter()
+        .map(|(reason, count)| (reason.name(), *count))
+        .collect();
+    assert_eq!(
+        dropped,
+        [
+            ("marked_invalid", 98),
+            ("outside_attitude", 1),
+            ("across_attitude_reset", 1)
+        ]
+    );
+}
+
+#[test]
+fn a_flight_without_a_valid_velocity_still_has_its_rotations() {
+    let Some(report) = check("sample_log_small") else {
+        return;
+    };
+    assert_eq!(report.written.len(), 1);
+    let [missing] = &report.not_written[..] else {
+        panic!("one topic is missing")
+    };
+    assert_eq!(missing.topic, "/camera/velocity");
+    assert!(
+        missing.reason.contains("636 marked invalid"),
+        "{}",
+        missing.reason
+    );
+}

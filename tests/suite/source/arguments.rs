@@ -1,0 +1,451 @@
+//! Telemetry as told on the command line: what each form of an argument means, and what wrong ones are told.
+
+use flightcam::{
+    decode::path::FieldPath,
+    sample::GimbalReference,
+    source::{
+        profile::{
+            AttitudeSource, Components, Coordinates, Euler, GimbalOrientation, GimbalSource,
+            Orientation, Pitch, Place, PositionSource, Quaternion, TimeSource, VelocitySource,
+            convention::{
+                AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection,
+                QuaternionOrder, SpeedUnit, TimeUnit, VelocityFrame,
+            },
+        },
+        request::{BadArgument, RoleArgument, namespace},
+    },
+};
+
+use crate::support::folder::assert_reads;
+
+fn field(path: &str) -> FieldPath {
+    path.parse().expect("a path")
+}
+
+fn each<const N: usize>(paths: [&str; N]) -> Components<N> {
+    Components::Each(paths.map(field))
+}
+
+fn on(topic: &str) -> Place {
+    Place {
+        topics: vec![topic.to_owned()],
+        ..Place::default()
+    }
+}
+
+/// The source that an argument says.
+#[track_caller]
+fn said<S>(argument: &str) -> S
+where
+    RoleArgument<S>: std::str::FromStr<Err = BadArgument>,
+{
+    match argument.parse() {
+        Ok(RoleArgument::Source(source)) => source,
+        Ok(RoleArgument::Topic(topic)) => panic!("only a topic: {topic}"),
+        Err(problem) => panic!("{argument}: {problem}"),
+    }
+}
+
+/// Checks what the user is told of wrong arguments.
+#[track_caller]
+fn complains<S>(cases: &[(&str, &str)])
+where
+    RoleArgument<S>: std::str::FromStr<Err = BadArgument>,
+{
+    for (argument, words) in cases {
+        match argument.parse::<RoleArgument<S>>() {
+            Ok(_) => panic!("{argument} is accepted"),
+            Err(problem) => assert_reads(&problem.to_string(), words),
+        }
+    }
+}
+
+mod an_attitude {
+    use super::*;
+
+    fn source(topic: &str, orientation: Orientation, convention: Convention) -> AttitudeSource {
+        AttitudeSource {
+            place: on(topic),
+            orientation,
+            convention,
+            reset_counter: None,
+        }
+    }
+
+    fn euler(unit: AngleUnit) -> Orientation {
+        Orientation::Euler(Euler {
+            roll: field("roll"),
+            pitch: field("pitch"),
+            yaw: field("yaw"),
+            unit,
+        })
+    }
+
+    fn quaternion(fields: Components<4>, order: QuaternionOrder) -> Orientation {
+        Orientation::Quaternion(Quaternion { fields, order })
+    }
+
+    #[test]
+    fn is_three_angles_with_their_unit() {
+        for (unit, expected) in [
+            ("radians", AngleUnit::Radians),
+            ("degrees", AngleUnit::Degrees),
+            ("centidegrees", AngleUnit::Centidegrees),
+        ] {
+            let argument = format!("/imu.roll,/imu.pitch,/imu.yaw:{unit}");
+            let expected = source("/imu", euler(expected), Convention::FrdNed);
+            assert_eq!(said::<AttitudeSource>(&argument), expected);
+        }
+        let spaced = said::<AttitudeSource>("/imu.roll, /imu.pitch, /imu.yaw:flu-enu:degrees");
+        let expected = source("/imu", euler(AngleUnit::Degrees), Convention::FluEnu);
+        assert_eq!(spaced, expected, "in whatever order the words come");
+    }
+
+    #[test]
+    fn is_a_quaternion_in_one_field_or_in_four() {
+        let together = |path| Components::Together(field(path));
+        let four = each(["q[0]", "q[1]", "q[2]", "q[3]"]);
+        use {Convention::*, QuaternionOrder::*};
+        for (argument, topic, fields, order, convention) in [
+            (
+                "/pose.orientation:flu-enu",
+                "/pose",
+                together("orientation"),
+                Wxyz,
+                FluEnu,
+            ),
+            ("/att.q:xyzw", "/att", together("q"), Xyzw, FrdNed),
+            ("/att.q", "/att", together("q"), Wxyz, FrdNed),
+            (
+                "/a.q[0],/a.q[1],/a.q[2],/a.q[3]:wxyz:frd-ned",
+                "/a",
+                four,
+                Wxyz,
+                FrdNed,
+            ),
+            (r#""/a.b".c:xyzw"#, "/a.b", together("c"), Xyzw, FrdNed),
+            (r#""/a:1,2".c"#, "/a:1,2", together("c"), Wxyz, FrdNed),
+            (
+                "vehicle_attitude/0.q",
+                "vehicle_attitude/0",
+                together("q"),
+                Wxyz,
+                FrdNed,
+            ),
+        ] {
+            let expected = source(topic, quaternion(fields, order), convention);
+            assert_eq!(said::<AttitudeSource>(argument), expected, "{argument}");
+        }
+    }
+
+    #[test]
+    fn may_be_a_topic_alone() {
+        for (argument, topic) in [("/odom", "/odom"), (r#""/a.b""#, "/a.b")] {
+            let parsed: Result<RoleArgument<AttitudeSource>, _> = argument.parse();
+            assert_eq!(parsed, Ok(RoleArgument::Topic(topic.to_owned())));
+        }
+    }
+
+    #[test]
+    fn that_is_wrong_is_told_what_to_write() {
+        let words = "radians, degrees or centidegrees; wxyz or xyzw; frd-ned or flu-enu";
+        let unknown = |word| format!("`{word}` has no meaning here … {words}");
+        complains::<AttitudeSource>(&[
+            (
+                "/imu.roll,/imu.pitch,/imu.yaw",
+                "need their unit: `:degrees` or `:radians`",
+            ),
+            (
+                "/imu.r,/gps.p,/imu.y:degrees",
+                "/imu and /gps are different topics … one message",
+            ),
+            (
+                "/imu.r,pitch,yaw:degrees",
+                "pitch … every path begins with its topic",
+            ),
+            ("/imu.r,/imu.p,/imu.y:rad", &unknown("rad")),
+            ("/imu.q:ned", &unknown("ned")),
+            ("/imu.q:", &unknown("")),
+            ("/imu.q:xyzw:wxyz", "`wxyz` does not go with the rest"),
+            (
+                "/imu.r,/imu.p,/imu.y:degrees:xyzw",
+                "`xyzw` does not go with the rest",
+            ),
+            (
+                "/imu.q:degrees",
+                "unit goes with three fields: roll, pitch, yaw",
+            ),
+            (
+                "/imu.a,/imu.b",
+                "2 fields … one (a quaternion), three … or four (w, x, y, z)",
+            ),
+            (
+                "/i.a,/i.b,/i.c,/i.d,/i.e",
+                "5 fields … one (a quaternion), three … or four",
+            ),
+            ("/odom:flu-enu", "only a topic … /odom.field:flu-enu"),
+        ]);
+    }
+}
+
+mod a_velocity {
+    use super::*;
+
+    #[test]
+    fn is_a_vector_or_three_fields_with_their_axes() {
+        let apart = || each(["vel.n", "vel.e", "vel.d"]);
+        let together = |path| Components::Together(field(path));
+        use {SpeedUnit::*, VelocityFrame::*};
+        for (argument, topic, vector, frame, unit) in [
+            (
+                "/gps.vel.n,/gps.vel.e,/gps.vel.d:ned:cm/s",
+                "/gps",
+                apart(),
+                Ned,
+                CentimetresPerSecond,
+            ),
+            (
+                "/twist.linear:body-flu",
+                "/twist",
+                together("linear"),
+                BodyFlu,
+                MetresPerSecond,
+            ),
+            (
+                "/v.v:mm/s:enu",
+                "/v",
+                together("v"),
+                Enu,
+                MillimetresPerSecond,
+            ),
+            (
+                "/v.v:body-frd:m/s",
+                "/v",
+                together("v"),
+                BodyFrd,
+                MetresPerSecond,
+            ),
+        ] {
+            let expected = VelocitySource {
+                place: on(topic),
+                vector,
+                frame,
+                unit,
+                required: false,
+            };
+            assert_eq!(said::<VelocitySource>(argument), expected, "{argument}");
+        }
+    }
+
+    #[test]
+    fn that_is_wrong_is_told_what_to_write() {
+        let words = "ned, enu, body-frd or body-flu; m/s, cm/s or mm/s";
+        let unknown = |word| format!("`{word}` has no meaning here … {words}");
+        complains::<VelocitySource>(&[
+            (
+                "/gps.v",
+                "needs its axes: `:ned`, `:enu`, `:body-frd` or `:body-flu`",
+            ),
+            ("/gps.v:NED", &unknown("NED")),
+            ("/gps.v:ned:km/h", &unknown("km/h")),
+            ("/gps.v:ned:enu", "`enu` does not go with the rest"),
+            (
+                "/gps.a,/gps.b:ned",
+                "2 fields … a velocity takes one (a vector) or three",
+            ),
+            ("/gps:ned", "only a topic … /gps.field:ned"),
+        ]);
+    }
+}
+
+mod a_gimbal {
+    use super::*;
+
+    fn source(orientation: GimbalOrientation, reference: GimbalReference) -> GimbalSource {
+        GimbalSource {
+            place: on("/gimbal"),
+            orientation,
+            reference,
+            convention: Convention::FrdNed,
+        }
+    }
+
+    #[test]
+    fn is_a_pitch_up_or_down_of_the_horizon() {
+        for (argument, unit, positive) in [
+            (
+                "/gimbal.pitch:degrees",
+                AngleUnit::Degrees,
+                PositiveDirection::Up,
+            ),
+            (
+                "/gimbal.pitch:down:radians",
+                AngleUnit::Radians,
+                PositiveDirection::Down,
+            ),
+        ] {
+            let pitch = GimbalOrientation::Pitch(Pitch {
+                field: field("pitch"),
+                unit,
+                positive,
+            });
+            let expected = source(pitch, GimbalReference::Heading);
+            assert_eq!(said::<GimbalSource>(argument), expected, "{argument}");
+        }
+    }
+
+    #[test]
+    fn is_a_rotation_from_a_reference() {
+        let quaternion = |order| {
+            let fields = Components::Together(field("q"));
+            GimbalOrientation::Quaternion(Quaternion { fields, order })
+        };
+        let [roll, pitch, yaw] = ["r", "p", "y"].map(field);
+        let unit = AngleUnit::Degrees;
+        let euler = GimbalOrientation::Euler(Euler {
+            roll,
+            pitch,
+            yaw,
+            unit,
+        });
+        use {GimbalReference::*, QuaternionOrder::*};
+        for (argument, orientation, reference) in [
+            ("/gimbal.q:earth", quaternion(Wxyz), Earth),
+            ("/gimbal.q:heading:xyzw", quaternion(Xyzw), Heading),
+            (
+                "/gimbal.r,/gimbal.p,/gimbal.y:degrees:airframe",
+                euler,
+                Airframe,
+            ),
+        ] {
+            let expected = source(orientation, reference);
+            assert_eq!(said::<GimbalSource>(argument), expected, "{argument}");
+        }
+        let flu: GimbalSource = said("/gimbal.q:earth:flu-enu");
+        assert_eq!(flu.convention, Convention::FluEnu);
+    }
+
+    #[test]
+    fn that_is_wrong_is_told_what_to_write() {
+        let either =
+            "pitch angle … unit (`:degrees`, … quaternion … (`:earth`, `:heading`, `:airframe`)";
+        complains::<GimbalSource>(&[
+            ("/g.pitch", either),
+            ("/g.pitch:down", either),
+            (
+                "/g.q:north",
+                "`north` has no meaning here … earth, heading or airframe",
+            ),
+            (
+                "/g.r,/g.p,/g.y:degrees",
+                "measured from: `:earth`, `:heading` or `:airframe`",
+            ),
+            (
+                "/g.r,/g.p,/g.y:earth",
+                "need their unit: `:degrees` or `:radians`",
+            ),
+            ("/g.a,/g.b:degrees", "one field, the pitch, or three"),
+            (
+                "/g.a,/g.b:earth",
+                "2 fields … one (a pitch angle or a quaternion), three",
+            ),
+            ("/g.q:earth:up", "`up` does not go with the rest"),
+        ]);
+    }
+}
+
+mod a_position {
+    use super::*;
+
+    #[test]
+    fn is_geodetic_or_local() {
+        let [latitude, longitude, altitude] = ["lat", "lon", "alt"].map(field);
+        let geodetic = Coordinates::Geodetic {
+            latitude,
+            longitude,
+            altitude,
+            unit: AngleUnit::DegE7,
+            altitude_unit: LengthUnit::Millimetres,
+        };
+        let local = |vector, frame, unit| Coordinates::Local {
+            vector,
+            frame,
+            unit,
+        };
+        let xyz = local(
+            each(["x", "y", "z"]),
+            PositionFrame::Ned,
+            LengthUnit::Metres,
+        );
+        let together = Components::Together(field("p"));
+        let vector = local(together, PositionFrame::Enu, LengthUnit::Centimetres);
+        for (argument, coordinates) in [
+            ("/gps.lat,/gps.lon,/gps.alt:degE7:mm", geodetic),
+            ("/gps.x,/gps.y,/gps.z:ned", xyz),
+            ("/gps.p:enu:cm", vector),
+        ] {
+            let place = on("/gps");
+            let expected = PositionSource { place, coordinates };
+            assert_eq!(said::<PositionSource>(argument), expected, "{argument}");
+        }
+    }
+
+    #[test]
+    fn that_is_wrong_is_told_what_to_write() {
+        let either = "takes three … their unit (`:degrees`, `:degE7`), x, y and z their axes (`:ned`, `:enu`)";
+        complains::<PositionSource>(&[
+            ("/p.a,/p.b,/p.c", either),
+            ("/p.a,/p.b:degrees", either),
+            ("/p.a,/p.b,/p.c:degrees:ned", either),
+            ("/p.v:ned:km", "`km` has no meaning here … m, cm or mm"),
+            (
+                "/p.a,/p.b:ned",
+                "2 fields were given, but a position takes three",
+            ),
+        ]);
+    }
+}
+
+#[test]
+fn a_time_is_the_logs_the_publishers_or_a_fields() {
+    let of_field = |path, unit| TimeSource::Field {
+        path: field(path),
+        unit,
+    };
+    for (argument, expected) in [
+        ("log", TimeSource::LogTime),
+        ("publish", TimeSource::PublishTime),
+        ("header.stamp", of_field("header.stamp", None)),
+        (
+            "time_usec:us",
+            of_field("time_usec", Some(TimeUnit::Microseconds)),
+        ),
+        ("t[1]:ms", of_field("t[1]", Some(TimeUnit::Milliseconds))),
+        ("t:s", of_field("t", Some(TimeUnit::Seconds))),
+        ("t:ns", of_field("t", Some(TimeUnit::Nanoseconds))),
+    ] {
+        assert_eq!(argument.parse(), Ok(expected), "{argument}");
+    }
+    for (argument, words) in [
+        ("t:min", "`min` has no meaning here … s, ms, us or ns"),
+        (
+            "/imu.stamp",
+            "`/imu.stamp` is not a time: write log, publish, or a field … without their topic",
+        ),
+        ("", "`` is not a time: write log, publish, or a field"),
+    ] {
+        let parsed: Result<TimeSource, BadArgument> = argument.parse();
+        assert_reads(&parsed.expect_err("no time").to_string(), words);
+    }
+}
+
+#[test]
+fn a_namespace_is_a_prefix_however_its_slashes_are_written() {
+    for text in ["drone1", "/drone1", "drone1/", "/drone1/"] {
+        assert_eq!(namespace(text), Ok("/drone1".to_owned()));
+    }
+    assert_eq!(namespace("/fleet/drone1"), Ok("/fleet/drone1".to_owned()));
+    for text in ["/", ""] {
+        assert_eq!(namespace(text), Ok(String::new()));
+    }
+}

@@ -1,0 +1,432 @@
+//! Of a log that passes by, all messages are kept that may turn out to be its telemetry: what is found and read in
+//! them is what is found and read in the whole log. Of what clearly is no telemetry nothing is kept.
+
+use std::{collections::BTreeMap, io::Cursor, path::Path};
+
+use flightcam::{
+    log::stream::Streamed,
+    source::{
+        candidates::Candidates,
+        profile::{Profile, ProfileChoice},
+        request::Request,
+    },
+};
+use mcap::{
+    WriteOptions,
+    records::{MessageHeader, op},
+};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use crate::support::{
+    Parts,
+    flights::{self, flight::Flight, recordings},
+    logbook::Logbook,
+    piping::*,
+    real_logs,
+    ros::Wire,
+    selecting::request,
+    shapes::any_shape,
+    topics::*,
+};
+
+/// The way in which a profile is chosen that is not by itself.
+fn request_for(profile: &str) -> Request {
+    let profile = Profile::load(profile).expect("a built-in profile");
+    let is_automatic = profile.automatic;
+    let given = ProfileChoice::Given(Box::new(profile));
+    Request {
+        profile: if is_automatic {
+            ProfileChoice::Automatic
+        } else {
+            given
+        },
+        ..Request::default()
+    }
+}
+
+#[test]
+fn every_profiles_flights_are_found_and_read_whole() {
+    let unchunked = || WriteOptions::new().use_chunks(false);
+    let many_chunks = || WriteOptions::new().chunk_size(Some(200));
+    for recording in recordings() {
+        let request = request_for(recording.profile);
+        let recording = recording.flying(Flight::beginning);
+        let log = recording.log();
+        for log in [
+            rewritten(&log, unchunked()),
+            rewritten(&log, many_chunks()),
+            log,
+        ] {
+            let streamed = check(&log, &request, 4000).expect("a readable log");
+            let (selected, _) = telemetry(&streamed.telemetry, &request).expect("telemetry");
+            assert!(
+                selected.starts_with(&format!("{:?}", recording.profile)),
+                "{}: {selected}",
+                recording.name
+            );
+        }
+    }
+}
+
+#[test]
+fn flights_of_several_publishers_in_one_log_are_told_apart_as_in_a_file() {
+    let mut log = flights::logbook::Logbook::new();
+    for (number, recording) in (0..).zip(recordings()) {
+        log.rename(move |topic| match number % 3 {
+            0 => topic.to_owned(),
+            n => format!("/drone{n}/{}", topic.trim_start_matches('/')),
+        });
+        recording.flying(Flight::beginning).write(&mut log);
+    }
+    let log = log.finish();
+    for arguments in [
+        &[][..],
+        &[("--profile", "mavros")],
+        &[("--profile", "mavros"), ("--namespace", "/drone1")],
+        &[("--namespace", "/drone2")],
+        &[("--attitude", "/odom")],
+    ] {
+        check(&log, &request(arguments), 1_000_000);
+    }
+}
+
+#[test]
+fn real_flights_are_found_and_read_whole() {
+    let Some(folder) = real_logs() else { return };
+    for name in [
+        "test_ulog.mcap",
+        "test_ulog.ros2.mcap",
+        "sample_px4_events.mcap",
+        "sample_log_small.mcap",
+    ] {
+        let log = std::fs::read(folder.join(name)).expect("the log");
+        let streamed = check(&log, &Request::default(), 65_536).expect("a readable log");
+        let kept = streamed.telemetry.file.length();
+        println!("{name}: {kept} bytes kept of {}", log.len());
+    }
+}
+
+// ---- Logs of random topics ----
+
+const NAMES: [&str; 16] = [
+    "/mavros/local_position/pose",
+    "/mavros/local_position/velocity_local",
+    "/drone1/mavros/local_position/pose",
+    "/drone1/mavros/local_position/velocity_local",
+    "/drone1/mavros/imu/data",
+    "/fmu/out/vehicle_attitude",
+    "/fmu/out/vehicle_attitude_v3",
+    "/fmu/out/vehicle_local_position",
+    "/vehicle_attitude/0",
+    "/d/vehicle_attitude/0",
+    "/ap/v1/pose/filtered",
+    "/ap/v12/twist/filtered",
+    "/ap/twist/filtered",
+    "/odom",
+    "/state",
+    "/drone1/state",
+];
+
+const REQUESTS: [&[(&str, &str)]; 14] = [
+    &[],
+    &[],
+    &[],
+    &[("--profile", "mavros")],
+    &[("--profile", "flat-deg")],
+    &[("--profile", "flat")],
+    &[("--namespace", "/drone1")],
+    &[("--namespace", "/d")],
+    &[("--namespace", "")],
+    &[("--attitude", "/odom")],
+    &[("--attitude", "/state.roll,/state.pitch,/state.yaw:radians")],
+    &[("--velocity", "/odom.twist.twist.linear:enu")],
+    &[
+        ("--velocity", "/state.vx,/state.vy,/state.vz:ned"),
+        ("--namespace", "/drone1"),
+    ],
+    &[("--position", "/odom"), ("--gimbal", "/odom.q:earth")],
+];
+
+fn any_topic() -> impl Strategy<Value = Topic> {
+    let types: [fn(&'static str) -> Topic; 8] = [
+        pose,
+        twist,
+        odometry,
+        attitude,
+        local_position,
+        flat,
+        flat,
+        camera,
+    ];
+    let message = (any::<prop::sample::Index>(), 0..12usize);
+    (
+        prop::sample::select(NAMES.to_vec()),
+        prop::sample::select(types.to_vec()),
+        prop::collection::vec(message, 0..14),
+        0..6usize,
+    )
+        .prop_map(|(name, topic, changes, schema)| {
+            let topic = topic(name);
+            let usual: Value = serde_json::from_slice(&topic.messages[0]).expect("JSON");
+            let messages = (changes.into_iter())
+                .map(|(which, change)| changed(usual.clone(), which, change))
+                .collect();
+            let topic = Topic { messages, ..topic };
+            match (schema, &topic.schema) {
+                (0, None) => topic.with_schema("State", "jsonschema", listing(&usual, "number")),
+                (1, None) => topic.with_schema("State", "jsonschema", listing(&usual, "string")),
+                (2, _) => topic.with_schema("State", "jsonschema", "{ \"type\": "),
+                (3, _) => topic.with_schema("nav_msgs/Odometry", "jsonschema", ""),
+                _ => topic,
+            }
+        })
+}
+
+/// Frames that no telemetry looks like.
+fn camera(name: &'static str) -> Topic {
+    topic(
+        name,
+        [json!({ "format": "jpeg", "data": "x".repeat(1000) })],
+    )
+}
+
+/// A JSON schema that lists the fields of a message.
+fn listing(message: &Value, kind: &str) -> String {
+    let fields = message.as_object().expect("an object").keys();
+    let properties: serde_json::Map<_, _> = fields
+        .map(|name| (name.clone(), json!({ "type": kind })))
+        .collect();
+    json!({ "properties": properties }).to_string()
+}
+
+/// A message as it may come, too: without a field, with nothing or a text in one, very long, or torn.
+fn changed(mut message: Value, which: prop::sample::Index, change: usize) -> Vec<u8> {
+    let object = message.as_object_mut().expect("an object");
+    let names: Vec<String> = object.keys().cloned().collect();
+    let name = which.get(&names);
+    match change {
+        0 => drop(object.remove(name)),
+        1 => object[name] = Value::Null,
+        2 => object[name] = json!("text"),
+        3 => object[name] = json!("1"),
+        4 => drop(object.insert("long".to_owned(), json!("x".repeat(66_000)))),
+        5 => return b"{\"torn\": ".to_vec(),
+        6 => object.clear(),
+        _ => {}
+    }
+    message.to_string().into_bytes()
+}
+
+/// A log of topics whose messages come in this order.
+fn interleaved(topics: &[Topic], order: &[usize], options: &WriteOptions) -> Vec<u8> {
+    let options = options.clone();
+    let mut writer = options.create(Cursor::new(Vec::new())).expect("a writer");
+    for (id, topic) in (1..).zip(topics) {
+        let schema_id = topic.schema.as_ref().map_or(0, |schema| {
+            writer
+                .add_schema(schema.name, schema.encoding, &schema.data)
+                .expect("a schema")
+        });
+        writer
+            .add_channel_with_id(id, schema_id, topic.name, topic.encoding, &BTreeMap::new())
+            .expect("a channel");
+    }
+    let mut messages: Vec<_> = topics.iter().map(|topic| topic.messages.iter()).collect();
+    for (n, &which) in (0..).zip(order) {
+        let header = MessageHeader {
+            channel_id: which as u16 + 1,
+            sequence: n,
+            log_time: time(n / 2),
+            publish_time: 0,
+        };
+        let message = messages[which].next().expect("as many as there are");
+        writer
+            .write_to_known_channel(&header, message)
+            .expect("a message");
+    }
+    writer.finish().expect("the log is finished");
+    writer.into_inner().into_inner()
+}
+
+fn any_log() -> impl Strategy<Value = Vec<u8>> {
+    let topics = prop::collection::vec(any_topic(), 1..8);
+    let order = topics.prop_flat_map(|topics| {
+        let messages = topics.iter().enumerate();
+        let order = messages.flat_map(|(which, topic)| vec![which; topic.messages.len()]);
+        let order: Vec<usize> = order.collect();
+        (Just(topics), Just(order).prop_shuffle(), any::<bool>())
+    });
+    (order, any_shape()).prop_map(|((topics, mut order, is_sorted), shape)| {
+        if is_sorted {
+            order.sort_unstable();
+        }
+        interleaved(&topics, &order, &shape.options)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn a_log_of_any_topics_gives_the_same_as_a_file(
+        log in any_log(),
+        arguments in prop::sample::select(REQUESTS.to_vec()),
+    ) {
+        check(&log, &request(arguments), 10_000);
+    }
+}
+
+// ---- What is not kept ----
+
+/// The messages that are kept of a log, by topic.
+fn kept(log: &[u8], request: &Request) -> BTreeMap<String, u64> {
+    let mut candidates = Candidates::new(request);
+    let mut kept = BTreeMap::new();
+    let (_, streamed) = pipe(Path::new("-"), log, |passing| {
+        let is_kept = candidates.include(passing);
+        *kept.entry(passing.channel.topic.clone()).or_default() += u64::from(is_kept);
+        is_kept
+    });
+    streamed.expect("a readable log");
+    kept
+}
+
+const COMPRESSED_VIDEO: &str =
+    "message Message { string frame_id = 1; bytes data = 2; string format = 3; }";
+
+const IMAGE: &str = "std_msgs/Header header
+uint32 height
+uint32 width
+string encoding
+uint8 is_bigendian
+uint32 step
+uint8[] data
+===
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+";
+
+#[test]
+fn nothing_is_kept_of_what_clearly_is_no_telemetry() {
+    let mut book = Logbook::with_chunks_of(50_000);
+    let flat = book.json("/drone/state");
+    let (video, _) = book.protobuf("/camera/video", COMPRESSED_VIDEO);
+    let rates = "message Message { double roll = 1; double pitch = 2; double yaw = 3; }";
+    let (rates, _) = book.protobuf("/rates", rates);
+    let image = book.ros(
+        Wire::LittleEndian,
+        "/camera/image",
+        "sensor_msgs/msg/Image",
+        IMAGE,
+    );
+    let battery = book.ros(
+        Wire::Ros1,
+        "/mavros/battery",
+        "sensor_msgs/BatteryState",
+        "float32 voltage\nfloat32 percentage",
+    );
+    let cloud = book.channel(0, "/lidar", "flatbuffer");
+    let json_frames = book.json("/camera/frames");
+    let json_status = book.json("/status");
+    let frame = format!(r#"{{"data":"{}"}}"#, "x".repeat(70_000));
+    for time in 0..200 {
+        book.put_flat(flat, time, "0.1", "5");
+        for channel in [video, rates, image, cloud] {
+            book.put(channel, time, &[1; 3000]);
+        }
+        book.put(battery, time, &[0; 8]);
+        book.put(json_frames, time, frame.as_bytes());
+        book.put(json_status, time, br#"{"mode":"AUTO"}"#);
+    }
+    let (_folder, path) = book.finish();
+    let log = std::fs::read(path).expect("the log");
+    let kept = kept(&log, &Request::default());
+    assert_eq!(kept["/drone/state"], 200);
+    for topic in [
+        "/camera/video",
+        "/rates",
+        "/camera/image",
+        "/mavros/battery",
+        "/lidar",
+    ] {
+        assert_eq!(kept[topic], 0, "{topic}");
+    }
+    // What is in JSON messages they tell themselves: the first segment's.
+    assert_eq!(kept["/camera/frames"], 1);
+    assert!(kept["/status"] <= 10);
+
+    let Streamed { telemetry, .. } = check(&log, &Request::default(), 65_536).expect("readable");
+    assert!(
+        telemetry.file.length() < 120_000,
+        "{}",
+        telemetry.file.length()
+    );
+}
+
+#[test]
+fn what_the_user_tells_is_kept_and_of_others_only_what_may_be_beside_it() {
+    let mut book = Logbook::new();
+    let odd = book.channel(0, "/odd", "json");
+    let flat = book.json("/drone/state");
+    for time in 0..50 {
+        book.put(odd, time, br#"{"a":0.1,"b":0.1,"c":0.2}"#);
+        book.put_flat(flat, time, "0.1", "5");
+    }
+    let (_folder, path) = book.finish();
+    let log = std::fs::read(path).expect("the log");
+    let kept_of = |arguments: &[(&str, &str)]| {
+        check(&log, &request(arguments), 65_536);
+        let kept = kept(&log, &request(arguments));
+        (kept["/odd"], kept["/drone/state"])
+    };
+    let told = ("--attitude", "/odd.a,/odd.b,/odd.c:radians");
+    let (odd, flat) = kept_of(&[told]);
+    assert!(odd == 50 && flat <= 10, "{flat}");
+    let velocity = (
+        "--velocity",
+        "/drone/state.vx,/drone/state.vy,/drone/state.vz:ned",
+    );
+    assert_eq!(kept_of(&[told, velocity]), (50, 50));
+    // It is told as the log names it, whatever the namespace of the others.
+    let (odd, flat) = kept_of(&[told, velocity, ("--namespace", "/drone")]);
+    assert_eq!((odd, flat), (50, 50));
+    let (odd, flat) = kept_of(&[]);
+    assert!(odd <= 10 && flat == 50, "{odd}");
+}
+
+#[test]
+fn messages_too_long_for_examples_tell_nothing_and_are_kept_till_others_do() {
+    let mut book = Logbook::with_chunks_of(10_000_000);
+    let state = book.json("/drone/state");
+    let long = format!(r#"{{"note":"{}"}}"#, "x".repeat(70_000));
+    for time in 0..12 {
+        book.put(state, time, long.as_bytes());
+    }
+    for time in 12..50 {
+        book.put_flat(state, time, "0.1", "5");
+    }
+    let (_folder, path) = book.finish();
+    let log = std::fs::read(path).expect("the log");
+    check(&log, &Request::default(), 65_536);
+    assert_eq!(kept(&log, &Request::default())["/drone/state"], 50);
+}
+
+#[test]
+fn what_is_defined_only_in_the_summary_is_kept_for_all_cases() {
+    let log = log(&[odometry("/odom")]);
+    let unchunked = rewritten(&log, WriteOptions::new().use_chunks(false));
+    for lacking in [
+        &[op::SCHEMA][..],
+        &[op::CHANNEL],
+        &[op::SCHEMA, op::CHANNEL],
+    ] {
+        let mut parts = Parts::of(&unchunked);
+        parts.data.retain(|(opcode, _)| !lacking.contains(opcode));
+        parts.data_section_crc = 0;
+        let streamed = check(&parts.join(), &Request::default(), 1000).expect("a readable log");
+        let (selected, _) = telemetry(&streamed.telemetry, &Request::default()).expect("telemetry");
+        assert!(selected.starts_with("\"nav-msgs\""), "{selected}");
+    }
+}

@@ -1,0 +1,362 @@
+//! Profiles as text: what is understood, what is refused and in which words, and that nothing is lost when one is
+//! written.
+
+use flightcam::source::profile::{
+    Coordinates, Profile, Test, TimeSource,
+    convention::{LengthUnit, QuaternionOrder, TimeUnit},
+};
+
+use crate::support::folder::assert_reads;
+
+const ATTITUDE: &str = r#"attitude = { topics = ["/a"], orientation.quaternion = "q" }"#;
+
+fn parse(roles: &str) -> Result<Profile, String> {
+    Profile::parse(&format!("name = \"mine\"\n{roles}\n"))
+}
+
+fn parsed(roles: &str) -> Profile {
+    parse(roles).unwrap_or_else(|problem| panic!("{roles}: {problem}"))
+}
+
+#[track_caller]
+fn refused(roles: &str, words: &str) {
+    match parse(roles) {
+        Ok(_) => panic!("accepted: {roles}"),
+        Err(problem) => assert_reads(&problem, words),
+    }
+}
+
+/// A profile with an attitude and this as another role.
+fn beside_attitude(role: &str) -> String {
+    format!("{ATTITUDE}\n{role}")
+}
+
+#[test]
+fn every_built_in_profile_is_the_same_when_written_and_read_again() {
+    for profile in Profile::built_in() {
+        let text = toml::to_string(&profile).expect("TOML");
+        assert_eq!(Profile::parse(&text), Ok(profile), "{text}");
+    }
+}
+
+/// One that has every key there is, so that none is lost.
+#[test]
+fn a_profile_with_everything_is_the_same_when_written_and_read_again() {
+    let everything = r#"
+        name = "everything"
+        description = "all there is"
+        automatic = false
+        namespaced = true
+        time.field = { path = "stamp", unit = "us" }
+
+        [[attitude]]
+        topics = ["/a_{n}", "/a"]
+        schemas = ["A", "B"]
+        when = { field = "frame", is = -1 }
+        valid = ["ok[0]", "fix.ok"]
+        time = "publish_time"
+        orientation.quaternion = { fields = ["x", "y", "z", "w"], order = "xyzw" }
+        convention = "flu-enu"
+        reset_counter = { field = "resets", optional = true }
+
+        [[attitude]]
+        topics = ["/a"]
+        when = { field = "frame", says = "/world" }
+        orientation.euler = { roll = "r", pitch = "p", yaw = "y", unit = "centidegrees" }
+
+        [velocity]
+        vector = "v"
+        frame = "body-frd"
+        unit = "cm/s"
+        required = true
+
+        [[gimbal]]
+        when = { field = "flags", has_bits = 80 }
+        orientation.pitch = { field = "tilt", unit = "degrees", positive = "down" }
+        reference = "airframe"
+
+        [[gimbal]]
+        time = "log_time"
+        orientation.quaternion = "q"
+        reference = "earth"
+
+        [[position]]
+        geodetic = { latitude = "a", longitude = "b", altitude = "c", unit = "degE7", altitude_unit = "mm" }
+
+        [[position]]
+        local = { vector = ["x", "y", "z"], frame = "enu", unit = "cm" }
+    "#;
+    let profile = Profile::parse(everything).expect("a profile");
+    let text = toml::to_string(&profile).expect("TOML");
+    assert_eq!(Profile::parse(&text).as_ref(), Ok(&profile), "{text}");
+
+    assert!(!profile.automatic && profile.namespaced && profile.velocity[0].required);
+    let TimeSource::Field { unit, .. } = profile.time else {
+        panic!("a time of a field");
+    };
+    assert_eq!(unit, Some(TimeUnit::Microseconds));
+    let test = |alternative: usize| {
+        profile.attitude[alternative]
+            .place
+            .when
+            .clone()
+            .map(|when| when.test)
+    };
+    assert_eq!(test(0), Some(Test::Is(-1)));
+    assert_eq!(test(1), Some(Test::Says("/world".to_owned())));
+    let Coordinates::Local { unit, .. } = profile.position[1].coordinates else {
+        panic!("a local position");
+    };
+    assert_eq!(unit, LengthUnit::Centimetres);
+}
+
+#[test]
+fn a_single_alternative_may_stand_by_itself() {
+    let alone = parsed("[attitude]\ntopics = [\"/a\"]\norientation.quaternion = \"q\"");
+    let listed = parsed("[[attitude]]\ntopics = [\"/a\"]\norientation.quaternion = \"q\"");
+    assert_eq!(alone, listed);
+    assert_eq!(alone, parsed(ATTITUDE));
+}
+
+#[test]
+fn what_is_not_said_is_the_usual() {
+    let profile = parsed(&beside_attitude(
+        r#"velocity = { vector = "v", frame = "ned" }"#,
+    ));
+    let explicit = parsed(
+        r#"automatic = true
+        namespaced = false
+        time = "log_time"
+        attitude = { topics = ["/a"], orientation.quaternion = { fields = "q", order = "wxyz" }, convention = "frd-ned" }
+        velocity = { vector = "v", frame = "ned", unit = "m/s", required = false }"#,
+    );
+    assert_eq!(profile, explicit);
+}
+
+mod a_topic_in_a_path {
+    use super::*;
+
+    #[test]
+    fn is_the_roles_topic() {
+        let role = |vector: &str| {
+            parsed(&beside_attitude(&format!(
+                "velocity = {{ vector = {vector}, frame = \"ned\" }}"
+            )))
+        };
+        let with_topics = |topic: &str, vector: &str| {
+            let place = format!("topics = ['{topic}'], vector = {vector}");
+            parsed(&beside_attitude(&format!(
+                "velocity = {{ {place}, frame = \"ned\" }}"
+            )))
+        };
+        for (lifted, topic, vector) in [
+            (r#""/gps.vel""#, "/gps", r#""vel""#),
+            (
+                r#"["/gps.n", "/gps.e", "/gps.d"]"#,
+                "/gps",
+                r#"["n", "e", "d"]"#,
+            ),
+            (
+                r#"["/gps.v[0]", "v[1]", "v[2]"]"#,
+                "/gps",
+                r#"["v[0]", "v[1]", "v[2]"]"#,
+            ),
+            (r#"'"/a.b".v.x'"#, "/a.b", r#""v.x""#),
+        ] {
+            assert_eq!(role(lifted), with_topics(topic, vector), "{lifted}");
+        }
+    }
+
+    #[test]
+    fn may_be_in_any_key_that_takes_a_path() {
+        let profile = parsed(
+            r#"
+            [attitude]
+            orientation.quaternion = { fields = "/a.q", order = "xyzw" }
+            when = { field = "/a.frame", says = "/world" }
+            valid = ["/a.ok"]
+            reset_counter = { field = "/a.resets" }
+            time.field = { path = "/a.stamp" }"#,
+        );
+        let attitude = &profile.attitude[0];
+        assert_eq!(attitude.place.topics, ["/a"]);
+        assert_eq!(attitude.place.valid[0].to_string(), "ok");
+        let when = attitude.place.when.as_ref().expect("a condition");
+        assert_eq!(
+            when.test,
+            Test::Says("/world".to_owned()),
+            "what a field says is no path"
+        );
+    }
+
+    #[test]
+    fn is_refused_beside_another() {
+        let velocity =
+            |keys: &str| beside_attitude(&format!("velocity = {{ {keys}, frame = \"ned\" }}"));
+        for (keys, words) in [
+            (
+                r#"topics = ["/gps"], vector = "/gps.v""#,
+                "names the topic /gps, and there is `topics` as well; leave one of the two out, in `velocity`",
+            ),
+            (
+                r#"vector = ["/gps.n", "/gps.e", "/imu.d"]"#,
+                "/gps and /imu; what belongs to one sample must come in one message, in `velocity`",
+            ),
+            (r#"vector = "/gps.v", valid = ["/fix.ok"]"#, "/gps"),
+            (r#"vector = "/gps""#, "`/gps` names no field, in `velocity`"),
+        ] {
+            refused(&velocity(keys), words);
+        }
+    }
+}
+
+#[test]
+fn unknown_keys_are_refused_by_name_at_every_level() {
+    for (role, key) in [
+        ("colour = \"red\"", "unknown key `colour`; the README"),
+        ("positions = []", "unknown key `positions`"),
+        (
+            "velocity = { vector = \"v\", frame = \"ned\", topic = [\"/b\"] }",
+            "unknown key `velocity.topic`",
+        ),
+        (
+            "velocity = [{ vector = \"v\", frame = \"ned\" }, { vector = \"v\", frame = \"ned\", units = \"m/s\" }]",
+            "unknown key `velocity.units`",
+        ),
+        (
+            "gimbal = { orientation.pitch = { field = \"p\", unit = \"degrees\", sign = \"up\" }, reference = \"earth\" }",
+            "`sign`, expected one of `field`, `unit`, `positive` … `gimbal`",
+        ),
+        (
+            "gimbal = { orientation.quaternion = { fields = \"q\", order = \"wxyz\", unit = 1 }, reference = \"earth\" }",
+            "`unit`, expected `fields` or `order` … `gimbal`",
+        ),
+        (
+            "position = { local = { vector = \"p\", frame = \"ned\", datum = \"x\" } }",
+            "`datum` … `position`",
+        ),
+        (
+            "velocity = { vector = \"v\", frame = \"ned\", when = { field = \"f\", is = 1, not = 2 } }",
+            "`not`",
+        ),
+        (
+            "time.field = { path = \"t\", units = \"s\" }",
+            "`units`, expected `path` or `unit` … `time`",
+        ),
+    ] {
+        refused(&beside_attitude(role), key);
+    }
+    refused(
+        "attitude = { orientation.quaternion = \"q\", reset = \"r\" }",
+        "unknown key `attitude.reset`",
+    );
+    refused(
+        "attitude = { orientation.quaternion = \"q\", reset_counter = { field = \"r\", optinal = true } }",
+        "`optinal`, expected `field` or `optional` … `attitude`",
+    );
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_place_and_what_there_is_instead() {
+    for (text, words) in [
+        ("", "missing field `attitude`"),
+        ("attitude = []", "`attitude` is empty"),
+        (
+            "attitude = { topics = [\"/a\"] }",
+            "missing field `orientation`, in `attitude`",
+        ),
+        (
+            "attitude.orientation = {}",
+            "an orientation needs one of `quaternion`, `euler`, in `attitude`",
+        ),
+        (
+            "attitude.orientation = { quaternion = \"q\", euler = {} }",
+            "takes only one of `quaternion`, `euler`",
+        ),
+        (
+            "attitude.orientation.quaternion = 5",
+            "a field or a list of fields … `attitude`",
+        ),
+        (
+            "attitude.orientation.quaternion = \"q[-1]\"",
+            "`q[-1]` is not the path of a field … `attitude`",
+        ),
+        (
+            "attitude.orientation.quaternion = [\"a\", \"b\"]",
+            "2 fields were given; it takes one or 4 … `attitude`",
+        ),
+        (
+            "attitude.orientation.quaternion = { fields = \"q\" }",
+            "missing field `order` … `attitude`",
+        ),
+        (
+            "attitude.orientation.quaternion = { fields = \"q\", order = \"zyxw\" }",
+            "`zyxw`, expected `wxyz` or `xyzw` … `attitude`",
+        ),
+        (
+            "attitude.orientation.euler = { roll = \"r\", pitch = \"p\", yaw = \"y\" }",
+            "missing field `unit`, in `orientation`, in `attitude`",
+        ),
+        (
+            "attitude = { orientation.quaternion = \"q\", when = { field = \"f\" } }",
+            "`when` needs one of `is`, `says`, `has_bits`, in `attitude`",
+        ),
+        (
+            "attitude = { orientation.quaternion = \"q\", when = { field = \"f\", is = 1, says = \"x\" } }",
+            "`when` takes only one of `is`, `says`, `has_bits`, in `attitude`",
+        ),
+        (
+            "attitude = { orientation.quaternion = \"q\", reset_counter = \"r\" }",
+            "expected a table, as in { field = \"count\" }, in `reset_counter`, in `attitude`",
+        ),
+        (
+            "attitude = [{ topics = [\"/a\"], orientation.quaternion = \"q\" }, { orientation.quaternion = \"q\" }]",
+            "some alternatives of `attitude` have `topics` and others have not; name the topics of each, or of none",
+        ),
+    ] {
+        refused(text, words);
+    }
+    for (role, words) in [
+        (
+            "velocity = { vector = \"v\" }",
+            "missing field `frame`, in `velocity`",
+        ),
+        (
+            "velocity = [{ vector = \"v\", frame = \"ned\" }, { vector = \"v\", frame = \"frd\" }]",
+            "`frd`, expected one of `ned`, `enu`, `body-frd`, `body-flu` … in alternative 2, in `velocity`",
+        ),
+        (
+            "gimbal.orientation.quaternion = \"q\"",
+            "missing field `reference`, in `gimbal`",
+        ),
+        (
+            "position = {}",
+            "a position needs one of `geodetic`, `local`, in `position`",
+        ),
+        (
+            "position = { geodetic = {}, local = {} }",
+            "takes only one of `geodetic`, `local`, in `position`",
+        ),
+    ] {
+        refused(&beside_attitude(role), words);
+    }
+    let torn = Profile::parse("name = \"torn\"\n[attitude\n").expect_err("not TOML");
+    assert_reads(&torn, "line 2");
+}
+
+#[test]
+fn a_quaternion_is_w_first_unless_told() {
+    let order = |quaternion: &str| {
+        let profile = parsed(&format!("attitude.orientation.quaternion = {quaternion}"));
+        match &profile.attitude[0].orientation {
+            flightcam::source::profile::Orientation::Quaternion(quaternion) => quaternion.order,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(order("\"q\""), QuaternionOrder::Wxyz);
+    assert_eq!(order("[\"a\", \"b\", \"c\", \"d\"]"), QuaternionOrder::Wxyz);
+    assert_eq!(
+        order("{ fields = \"q\", order = \"xyzw\" }"),
+        QuaternionOrder::Xyzw
+    );
+}

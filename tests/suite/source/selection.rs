@@ -1,0 +1,307 @@
+//! Which telemetry of a log is used: which profile, and which topics; and what the user is told where that is not
+//! clear.
+
+use flightcam::{
+    log::Log,
+    sample::Kind,
+    source::{
+        Source,
+        profile::{Profile, ProfileChoice},
+        request::Request,
+    },
+};
+use serde_json::json;
+
+use crate::support::{folder::*, selecting::*, topics::*};
+
+fn own(toml: &str) -> Request {
+    let profile = Profile::parse(toml).expect("a profile");
+    Request {
+        profile: ProfileChoice::Given(Box::new(profile)),
+        ..Request::default()
+    }
+}
+
+mod of_profiles {
+    use super::*;
+
+    fn mavros() -> [Topic; 2] {
+        let velocity = twist("/mavros/local_position/velocity_local");
+        [pose("/mavros/local_position/pose"), velocity]
+    }
+
+    fn px4() -> [Topic; 2] {
+        [
+            attitude("/fmu/out/vehicle_attitude"),
+            local_position("/fmu/out/vehicle_local_position"),
+        ]
+    }
+
+    #[test]
+    fn that_fit_equally_well_the_user_chooses_one() {
+        let both = [mavros(), px4()].concat();
+        let words = "several profiles fit equally well; choose one, for instance with --profile px4-ros2 … \
+                     px4-ros2: /fmu/out/vehicle_attitude … mavros: /mavros/local_position/pose";
+        refuses(&both, &[], words);
+        let [pose, twist] = mavros();
+        selects(
+            &both,
+            &[("--profile", "mavros")],
+            ("mavros", pose.name, twist.name),
+        );
+        let [attitude, position] = px4();
+        selects(
+            &both,
+            &[("--profile", "px4-ros2")],
+            ("px4-ros2", attitude.name, position.name),
+        );
+    }
+
+    #[test]
+    fn one_that_finds_a_velocity_goes_before_one_that_does_not() {
+        let [px4, _] = px4();
+        let [pose, twist] = mavros();
+        let (pose_name, twist_name) = (pose.name, twist.name);
+        let both = [px4, pose, twist];
+        selects(&both, &[], ("mavros", pose_name, twist_name));
+        let source = select_with(&both, &Request::default()).expect("a source");
+        let runner_up = &source.runners_up[0];
+        assert_eq!(runner_up.profile, "px4-ros2");
+        assert!(runner_up.fits, "if not as well");
+        assert_eq!(runner_up.reason, "/fmu/out/vehicle_attitude has q");
+    }
+
+    #[test]
+    fn one_that_names_topics_goes_before_a_type_and_a_type_before_fields() {
+        let [px4_attitude, px4_velocity] = px4();
+        let px4 = ("px4-ros2", px4_attitude.name, px4_velocity.name);
+        let topics = [
+            px4_attitude,
+            px4_velocity,
+            odometry("/odom"),
+            flat("/state"),
+        ];
+        selects(&topics, &[], px4);
+        selects(&topics[1..], &[], ("nav-msgs", "/odom", "/odom"));
+        selects(&topics[3..], &[], ("flat", "/state", "/state"));
+    }
+
+    #[test]
+    fn that_were_tried_are_told_the_better_ones_first() {
+        let [px4, _] = px4();
+        let folder = Folder::with(LOG, log(&[px4, odometry("/odom"), flat("/state")]));
+        let opened = Log::open(&folder.path(LOG)).expect("a log");
+        let source = Source::compare(&opened, &Request::default()).expect("a source");
+        // What a topic's name tells to be the vehicle's goes before what may be anything's, velocity or not.
+        assert_eq!(source.profile.name, "px4-ros2");
+        let tried = source
+            .runners_up
+            .iter()
+            .map(|tried| (tried.profile.as_str(), tried.fits));
+        let tried: Vec<(&str, bool)> = tried.collect();
+        let unfit = ["px4-ulog", "mavros", "ardupilot-ros2", "dji-osdk"].map(|name| (name, false));
+        assert_eq!(
+            tried,
+            [&[("nav-msgs", true), ("flat", true)][..], &unfit].concat()
+        );
+    }
+}
+
+#[test]
+fn of_several_topics_of_a_type_the_user_chooses_one() {
+    let topics = ["/odom", "/vio"].map(odometry);
+    refuses(
+        &topics,
+        &[],
+        "/odom and /vio fit equally well; choose one, for instance with --attitude /odom",
+    );
+    for topic in ["/odom", "/vio"] {
+        selects(
+            &topics,
+            &[("--attitude", topic)],
+            ("nav-msgs", topic, topic),
+        );
+    }
+}
+
+#[test]
+fn a_type_without_a_velocity_is_used_without_one() {
+    let pose = json!({ "orientation": quaternion(), "position": vector() });
+    let pose = twice("/pose", json!({ "pose": pose })).of_type("foxglove.PoseInFrame");
+    let source = select_with(&[pose], &Request::default()).expect("a source");
+    assert_eq!(used(&source), ("nav-msgs", "/pose", ""));
+    let missing = source.why_missing(Kind::Velocity);
+    assert_eq!(missing, Some("the messages on /pose have none"));
+    assert_eq!(
+        source.role(Kind::Position).expect("a position").topic,
+        "/pose"
+    );
+}
+
+#[test]
+fn a_topic_without_messages_is_none() {
+    let silent = Topic {
+        messages: Vec::new(),
+        ..odometry("/vio")
+    };
+    selects(
+        &[odometry("/odom"), silent.clone()],
+        &[],
+        ("nav-msgs", "/odom", "/odom"),
+    );
+    refuses(
+        &[silent],
+        &[("--attitude", "/vio")],
+        "--attitude … no message on /vio … the log has no messages",
+    );
+}
+
+#[test]
+fn the_highest_version_of_a_topic_is_used_whatever_its_spelling() {
+    let topics = [
+        "/fmu/out/vehicle_attitude",
+        "/fmu/out/vehicle_attitude_v2",
+        "/fmu/out/vehicle_attitude_v10",
+        "/fmu/out/vehicle_attitude_v9",
+    ]
+    .map(attitude);
+    selects(&topics, &[], ("px4-ros2", topics[2].name, ""));
+    selects(&topics[..2], &[], ("px4-ros2", topics[1].name, ""));
+    selects(&topics[..1], &[], ("px4-ros2", topics[0].name, ""));
+    for name in [
+        "/fmu/out/vehicle_attitude_v",
+        "/fmu/out/vehicle_attitude_vx",
+        "/fmu/out/vehicle_attitude_v1x",
+        "/fmu/out/vehicle_attitude_v+1",
+    ] {
+        refuses(&[attitude(name)], &[], "no usable telemetry");
+    }
+}
+
+mod of_alternatives {
+    use super::*;
+
+    #[test]
+    fn the_first_for_which_the_schema_has_the_fields_is_used() {
+        let profile = own(r#"
+            name = "mine"
+            attitude = [
+                { topics = ["/a"], orientation.quaternion = "rotation" },
+                { topics = ["/a"], orientation.euler = { roll = "r", pitch = "p", yaw = "y", unit = "degrees" } },
+                { topics = ["/b"], orientation.quaternion = "q" },
+            ]"#);
+        let angles = twice("/a", json!({ "r": 1, "p": 2, "y": 3 }));
+        let nothing = twice("/a", json!({ "x": 1 }));
+        let topic = |topics: &[Topic]| {
+            select_with(topics, &profile).map(|source| source.attitude().reason())
+        };
+        assert_eq!(
+            topic(&[angles, attitude("/b")]).expect("a source"),
+            "/a has r, p, y"
+        );
+        assert_eq!(
+            topic(&[nothing.clone(), attitude("/b")]).expect("a source"),
+            "/b has q"
+        );
+        let error = topic(&[nothing]).expect_err("an error").to_string();
+        assert_reads(
+            &error,
+            "profile `mine` does not fit: /a: it has no field `rotation`; … has x",
+        );
+    }
+
+    /// What the first looked at must not be read: here it would not decode.
+    #[test]
+    fn one_that_does_not_fit_leaves_nothing_behind() {
+        let profile = own(r#"
+            name = "mine"
+            attitude = [
+                { topics = ["/a"], orientation.quaternion = ["q[0]", "q[1]", "q[2]", "mode"] },
+                { topics = ["/a"], orientation.quaternion = ["w", "x", "lost", "mode"] },
+                { topics = ["/a"], orientation.quaternion = "q" },
+            ]"#);
+        let message = json!({ "q": [1, 0, 0, 0], "mode": "AUTO", "w": 1, "x": 0 });
+        let source = select_with(&[twice("/a", message)], &profile).expect("a source");
+        assert_eq!(source.attitude().reason(), "/a has q");
+    }
+
+    #[test]
+    fn a_topic_that_lacks_the_velocity_does_not_hide_one_that_has_it() {
+        let profile = own(r#"
+            name = "mine"
+            attitude.orientation.quaternion = "q"
+            velocity = { vector = "v", frame = "ned" }"#);
+        let whole = twice("/b", json!({ "q": [1, 0, 0, 0], "v": [1, 0, 0] }));
+        let source = select_with(&[attitude("/a"), whole], &profile).expect("a source");
+        assert_eq!(used(&source), ("mine", "/b", "/b"));
+        let error = select_with(&[attitude("/a")], &profile).expect_err("no velocity");
+        assert_reads(
+            &error.to_string(),
+            "`mine` does not fit: /a: it has no field `v`",
+        );
+    }
+}
+
+mod what_is_told {
+    use super::*;
+
+    #[test]
+    fn replaces_what_the_profile_says() {
+        let gps = twice(
+            "/gps",
+            json!({ "v": vector(), "p": vector(), "q": quaternion() }),
+        );
+        let topics = [flat("/state"), gps];
+        selects(
+            &topics,
+            &[("--velocity", "/gps.v:ned")],
+            ("flat", "/state", "/gps"),
+        );
+        let more = [("--gimbal", "/gps.q:earth"), ("--position", "/gps.p:enu")];
+        let source = select_with(&topics, &request(&more)).expect("a source");
+        for kind in [Kind::Gimbal, Kind::Position] {
+            assert_eq!(source.role(kind).expect("a role").topic, "/gps");
+        }
+        let angles = "/state.roll,/state.pitch,/state.yaw:radians";
+        selects(
+            &topics,
+            &[("--attitude", angles)],
+            ("command line", "/state", ""),
+        );
+    }
+
+    #[test]
+    fn and_is_not_there_is_an_error_that_names_the_option() {
+        for (role, missing, lacking) in [
+            ("--attitude", "/imu.q", "/state.q"),
+            ("--velocity", "/imu.q:ned", "/state.q:ned"),
+            ("--gimbal", "/imu.q:earth", "/state.q:earth"),
+            ("--position", "/imu.q:ned", "/state.q:ned"),
+        ] {
+            let topics = [flat("/state")];
+            let words = format!(
+                "{role} does not fit: there is no message on /imu … topics of the log: … /state"
+            );
+            refuses(&topics, &[(role, missing)], &words);
+            refuses(&topics, &[(role, "/imu")], &words);
+            let words =
+                format!("{role} does not fit: /state: it has no field `q`; … has pitch, roll, vx");
+            refuses(&topics, &[(role, lacking)], &words);
+            refuses(&topics, &[(role, lacking), ("--profile", "flat")], &words);
+        }
+    }
+
+    #[test]
+    fn of_a_topic_alone_needs_a_profile_that_says_how_to_read_it() {
+        let topics = [flat("/state")];
+        let words = "it has no gimbal; give --gimbal fields, not only a topic";
+        refuses(
+            &topics,
+            &[("--gimbal", "/state"), ("--profile", "flat")],
+            words,
+        );
+        let angles = ("--attitude", "/state.roll,/state.pitch,/state.yaw:radians");
+        let words = "it has no velocity; give --velocity fields, not only a topic";
+        refuses(&topics, &[angles, ("--velocity", "/state")], words);
+    }
+}
