@@ -12,3 +12,5 @@ mod json;
 mod protobuf;
 mod ros;
 pub(crate) mod schema;
+mod tree;
+pub(crate) mod value;

@@ -8,11 +8,10 @@ use serde_json::Value;
 use super::{
     error::SchemaError,
     examples::Examples,
-    field::{
-        Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
-        tree,
-    },
-    path::{FieldPath, Step},
+    field::{FieldKind, Shape, Wanted},
+    path::{FieldPath, PathStep},
+    tree::{Branches, FieldTree, Key, tree},
+    value::{FieldValue, Number, Slots, Undecodable},
 };
 
 /// What is known of a channel's messages: what its JSON Schema lists, and what its first messages have. JSON
@@ -117,6 +116,12 @@ impl Decoder {
     }
 }
 
+impl From<serde_json::Error> for Undecodable {
+    fn from(_: serde_json::Error) -> Self {
+        Self::Malformed
+    }
+}
+
 fn no_such_field(path: &FieldPath, place: &str, object: &Value) -> SchemaError {
     let object = object.as_object();
     SchemaError::NoSuchField {
@@ -142,8 +147,8 @@ fn look_up(schema: &Value, path: &FieldPath) -> Listing {
     let mut within = schema;
     for step in path.steps() {
         let name = match step {
-            Step::Name(name) => name,
-            Step::Index(_) => match within.get("items") {
+            PathStep::Name(name) => name,
+            PathStep::Index(_) => match within.get("items") {
                 Some(items) => {
                     within = items;
                     continue;
@@ -176,8 +181,8 @@ fn find<'a>(message: &'a Value, path: &FieldPath) -> Option<&'a Value> {
     path.steps()
         .iter()
         .try_fold(message, |within, step| match step {
-            Step::Name(name) => within.get(name),
-            Step::Index(index) => within.get(index),
+            PathStep::Name(name) => within.get(name),
+            PathStep::Index(index) => within.get(index),
         })
 }
 

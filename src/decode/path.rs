@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct FieldPath {
-    steps: Vec<Step>,
+    steps: Vec<PathStep>,
 }
 
 /// One step of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Step {
+pub enum PathStep {
     /// To a field of a message.
     Name(String),
     /// To an element of a list, counted from 0.
@@ -41,14 +41,14 @@ pub struct NotAPath {
 
 impl FieldPath {
     /// The steps from the outermost message to the field. The first is a name.
-    pub fn steps(&self) -> &[Step] {
+    pub fn steps(&self) -> &[PathStep] {
         &self.steps
     }
 
     /// The field of that name within this one.
     pub fn child(&self, name: &str) -> Self {
         let mut steps = self.steps.clone();
-        steps.push(Step::Name(name.to_owned()));
+        steps.push(PathStep::Name(name.to_owned()));
         Self { steps }
     }
 }
@@ -67,20 +67,20 @@ impl FromStr for FieldPath {
     }
 }
 
-fn parse_steps(text: &str) -> Option<Vec<Step>> {
+fn parse_steps(text: &str) -> Option<Vec<PathStep>> {
     let mut steps = Vec::new();
     for part in text.split('.') {
         let (name, indexes) = part.split_at(part.find('[').unwrap_or(part.len()));
         if name.is_empty() || name.contains([']', '/', '"', '{', '@', ' ']) {
             return None;
         }
-        steps.push(Step::Name(name.to_owned()));
+        steps.push(PathStep::Name(name.to_owned()));
         if !indexes.is_empty() {
             let inner = indexes.strip_prefix('[')?.strip_suffix(']')?;
             for index in inner.split("][") {
                 // Not all that parses as a number is written as one: `+1` does.
                 let is_plain = index.bytes().all(|byte| byte.is_ascii_digit());
-                steps.push(Step::Index(index.parse().ok().filter(|_| is_plain)?));
+                steps.push(PathStep::Index(index.parse().ok().filter(|_| is_plain)?));
             }
         }
     }
@@ -134,9 +134,9 @@ impl fmt::Display for FieldPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (place, step) in self.steps.iter().enumerate() {
             match step {
-                Step::Name(name) if place == 0 => f.write_str(name)?,
-                Step::Name(name) => write!(f, ".{name}")?,
-                Step::Index(index) => write!(f, "[{index}]")?,
+                PathStep::Name(name) if place == 0 => f.write_str(name)?,
+                PathStep::Name(name) => write!(f, ".{name}")?,
+                PathStep::Index(index) => write!(f, "[{index}]")?,
             }
         }
         Ok(())

@@ -11,11 +11,10 @@ use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
 use super::{
     error::SchemaError,
-    field::{
-        Branches, FieldKind, FieldTree, FieldValue, Key, Number, Shape, Slots, Undecodable, Wanted,
-        tree,
-    },
-    path::{FieldPath, Step},
+    field::{FieldKind, Shape, Wanted},
+    path::{FieldPath, PathStep},
+    tree::{Branches, FieldTree, Key, tree},
+    value::{FieldValue, Number, Slots, Undecodable},
 };
 
 /// A message type, with those that it is made of.
@@ -124,7 +123,7 @@ impl Schema {
                 kind: target.kind().describe(),
             };
             target = Some(match (step, target) {
-                (Step::Name(name), within) => {
+                (PathStep::Name(name), within) => {
                     let (message, mut keys) = match within {
                         None => (self.message.clone(), Vec::new()),
                         Some(target) => match target.message() {
@@ -145,13 +144,13 @@ impl Schema {
                         keys,
                     }
                 }
-                (Step::Index(index), Some(mut target)) if target.is_list() => {
+                (PathStep::Index(index), Some(mut target)) if target.is_list() => {
                     target.keys.push(Key::Index(*index));
                     target.is_element = true;
                     target
                 }
-                (Step::Index(_), Some(target)) => return Err(is_not(&target)),
-                (Step::Index(_), None) => unreachable!("a path starts with a name"),
+                (PathStep::Index(_), Some(target)) => return Err(is_not(&target)),
+                (PathStep::Index(_), None) => unreachable!("a path starts with a name"),
             });
         }
         Ok(target.expect("a path starts with a name"))
@@ -297,6 +296,12 @@ impl Scalar {
             }
             Self::Bool => (decode_varint(bytes)? != 0).into(),
         })
+    }
+}
+
+impl From<prost::DecodeError> for Undecodable {
+    fn from(_: prost::DecodeError) -> Self {
+        Self::Malformed
     }
 }
 

@@ -19,8 +19,10 @@ use std::sync::Arc;
 
 use super::{
     error::SchemaError,
-    field::{FieldKind, FieldTree, Key, Slots, Undecodable, Wanted, tree},
-    path::{FieldPath, Step},
+    field::{FieldKind, Wanted},
+    path::{FieldPath, PathStep},
+    tree::{FieldTree, Key, tree},
+    value::{Slots, Undecodable},
 };
 use layout::Length;
 use message::{Element, Message, Type};
@@ -86,7 +88,7 @@ impl Schema {
         let mut through = String::new();
         for step in path.steps() {
             found = match (step, found.list, &found.element) {
-                (Step::Name(name), None, Element::Message(message)) => {
+                (PathStep::Name(name), None, Element::Message(message)) => {
                     let field = message.fields.iter().find(|field| field.name == *name);
                     let field = field.ok_or_else(|| SchemaError::NoSuchField {
                         lacking: vec![path.clone()],
@@ -95,13 +97,13 @@ impl Schema {
                     })?;
                     field.value.clone()
                 }
-                (&Step::Index(index), Some(Length::Fixed(length)), _) if index >= length => {
+                (&PathStep::Index(index), Some(Length::Fixed(length)), _) if index >= length => {
                     return Err(SchemaError::OutOfRange {
                         path: path.clone(),
                         length,
                     });
                 }
-                (Step::Index(_), Some(_), element) => Type::from(element.clone()),
+                (PathStep::Index(_), Some(_), element) => Type::from(element.clone()),
                 _ => {
                     return Err(SchemaError::NotThere {
                         path: path.clone(),
@@ -111,9 +113,9 @@ impl Schema {
                 }
             };
             through += &match step {
-                Step::Name(name) if through.is_empty() => name.clone(),
-                Step::Name(name) => format!(".{name}"),
-                Step::Index(index) => format!("[{index}]"),
+                PathStep::Name(name) if through.is_empty() => name.clone(),
+                PathStep::Name(name) => format!(".{name}"),
+                PathStep::Index(index) => format!("[{index}]"),
             };
         }
         Ok(found)

@@ -5,10 +5,11 @@ use mcap::records::Channel;
 use super::{
     error::SchemaError,
     examples::Examples,
-    field::{FieldKind, Slots, Undecodable, Wanted},
+    field::{FieldKind, Wanted},
     json,
     path::FieldPath,
     protobuf, ros,
+    value::{Slots, Undecodable},
 };
 use crate::log::contents;
 

@@ -14,8 +14,9 @@ use super::{
 use crate::{
     decode::{
         error::SchemaError,
-        field::{FieldValue, Number, Slots, Undecodable, Wanted},
+        field::Wanted,
         schema::{Decoder, Schema},
+        value::{FieldValue, Number, Slots, Undecodable},
     },
     geometry::RollPitchYaw,
     log::record::RawMessage,

@@ -9,7 +9,9 @@ use super::{
 };
 use crate::decode::{
     error::SchemaError,
-    field::{FieldTree, FieldValue, Shape, Undecodable},
+    field::Shape,
+    tree::FieldTree,
+    value::{FieldValue, Undecodable},
 };
 
 /// Wanted fields by the names that lead to them, each with what reads it.

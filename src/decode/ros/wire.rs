@@ -6,7 +6,7 @@
 //! (<https://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes>).
 
 use super::layout::{Layout, Length, Skip};
-use crate::decode::field::{Number, Undecodable};
+use crate::decode::value::{Number, Undecodable};
 
 /// Which ROS the messages are of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

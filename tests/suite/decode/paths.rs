@@ -1,6 +1,6 @@
 //! Paths to fields, in Foxglove's message-path syntax.
 
-use flightcam::decode::path::{FieldPath, MessagePath, Step};
+use flightcam::decode::path::{FieldPath, MessagePath, PathStep};
 use proptest::prelude::*;
 
 use crate::support::folder::assert_reads;
@@ -11,13 +11,19 @@ fn field(path: &str) -> FieldPath {
 
 #[test]
 fn a_path_leads_through_names_and_lists() {
-    let name = |name: &str| Step::Name(name.to_owned());
+    let name = |name: &str| PathStep::Name(name.to_owned());
     for (text, steps) in [
         ("roll", vec![name("roll")]),
         ("velocity.x", vec![name("velocity"), name("x")]),
-        ("q[0]", vec![name("q"), Step::Index(0)]),
-        ("esc[2].rpm", vec![name("esc"), Step::Index(2), name("rpm")]),
-        ("m[1][2]", vec![name("m"), Step::Index(1), Step::Index(2)]),
+        ("q[0]", vec![name("q"), PathStep::Index(0)]),
+        (
+            "esc[2].rpm",
+            vec![name("esc"), PathStep::Index(2), name("rpm")],
+        ),
+        (
+            "m[1][2]",
+            vec![name("m"), PathStep::Index(1), PathStep::Index(2)],
+        ),
     ] {
         assert_eq!(field(text).steps(), steps, "{text}");
     }

@@ -1,0 +1,183 @@
+//! What the wanted fields of one message held.
+
+use super::{field::Wanted, path::PathStep};
+
+/// A number of a message, with all of its digits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Number {
+    Real(f64),
+    Signed(i64),
+    Unsigned(u64),
+}
+
+impl Number {
+    /// Rounded to double precision.
+    pub fn to_f64(self) -> f64 {
+        match self {
+            Self::Real(number) => number,
+            Self::Signed(number) => number as f64,
+            Self::Unsigned(number) => number as f64,
+        }
+    }
+
+    /// Whether it is this integer.
+    pub fn is(self, integer: i64) -> bool {
+        match self {
+            Self::Real(number) => number == integer as f64,
+            Self::Signed(number) => number == integer,
+            Self::Unsigned(number) => i64::try_from(number) == Ok(integer),
+        }
+    }
+
+    /// The bits of an integer, of a negative one in two's complement.
+    pub fn bits(self) -> u64 {
+        match self {
+            Self::Real(number) => number as i64 as u64,
+            Self::Signed(number) => number as u64,
+            Self::Unsigned(number) => number,
+        }
+    }
+}
+
+impl Default for Number {
+    fn default() -> Self {
+        Self::Real(0.0)
+    }
+}
+
+impl From<f64> for Number {
+    fn from(number: f64) -> Self {
+        Self::Real(number)
+    }
+}
+
+impl From<i64> for Number {
+    fn from(number: i64) -> Self {
+        Self::Signed(number)
+    }
+}
+
+impl From<u64> for Number {
+    fn from(number: u64) -> Self {
+        Self::Unsigned(number)
+    }
+}
+
+impl From<bool> for Number {
+    fn from(truth: bool) -> Self {
+        Self::Unsigned(truth.into())
+    }
+}
+
+/// What a field held in one message: a number, a list of them, or nothing.
+///
+/// Of a list the first [`CAPACITY`](Self::CAPACITY) numbers are kept.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FieldValue {
+    present: bool,
+    count: usize,
+    numbers: [Number; Self::CAPACITY],
+}
+
+impl FieldValue {
+    /// As many numbers as any field of interest has: a quaternion's.
+    pub const CAPACITY: usize = 4;
+
+    pub fn set(&mut self, number: impl Into<Number>) {
+        self.set_empty_list();
+        self.push(number);
+    }
+
+    pub fn set_empty_list(&mut self) {
+        self.present = true;
+        self.count = 0;
+    }
+
+    pub fn push(&mut self, number: impl Into<Number>) {
+        if let Some(slot) = self.numbers.get_mut(self.count) {
+            *slot = number.into();
+        }
+        self.count += 1;
+    }
+
+    /// Sets the place of a text among the wanted words.
+    pub fn set_word(&mut self, words: &[String], text: &[u8]) {
+        let place = words.iter().position(|word| word.as_bytes() == text);
+        self.set(place.unwrap_or(words.len()) as u64);
+    }
+
+    pub fn clear(&mut self) {
+        self.present = false;
+    }
+
+    pub fn is_present(&self) -> bool {
+        self.present
+    }
+
+    /// The number with all of its digits; `None` where the field is missing or is a list of another length
+    /// than one.
+    pub fn exact(&self) -> Option<Number> {
+        (self.present && self.count == 1).then_some(self.numbers[0])
+    }
+
+    /// The number; `None` where the field is missing or is a list of another length than one.
+    pub fn number(&self) -> Option<f64> {
+        self.exact().map(Number::to_f64)
+    }
+
+    /// How many numbers the list has.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The numbers that were kept of a list.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        let kept = self.count.min(Self::CAPACITY);
+        self.numbers[..kept].iter().map(|number| number.to_f64())
+    }
+}
+
+/// What one message held: a value for each wanted field, and what a decoder counts meanwhile.
+#[derive(Debug, Clone, Default)]
+pub struct Slots {
+    /// In the order in which the fields were wanted.
+    pub values: Vec<FieldValue>,
+    /// How many elements were seen of each list that a path leads into; as many as paths have indexes, which
+    /// is enough.
+    pub seen: Vec<usize>,
+}
+
+impl Slots {
+    /// For the values of these fields.
+    pub fn new(wanted: &[Wanted]) -> Self {
+        let steps = wanted.iter().flat_map(|field| field.path.steps());
+        let lists = steps
+            .filter(|step| matches!(step, PathStep::Index(_)))
+            .count();
+        Self {
+            values: vec![FieldValue::default(); wanted.len()],
+            seen: vec![0; lists],
+        }
+    }
+
+    /// Before the next message.
+    pub fn clear(&mut self) {
+        self.values.iter_mut().for_each(FieldValue::clear);
+        // An empty list has no valid address, and filling nothing there takes some processors longer than
+        // reading a message.
+        if !self.seen.is_empty() {
+            self.seen.fill(0);
+        }
+    }
+}
+
+/// Why the fields of a message cannot be had.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Undecodable {
+    /// Its bytes are not what its schema says.
+    Malformed,
+    /// It is encoded in a version of CDR that is not supported.
+    Xcdr2,
+    /// It is encoded as a CDR parameter list, which is not supported.
+    ParameterList,
+}
