@@ -1,15 +1,14 @@
-//! How messages are encoded: a schema and a path → where the field lies, and its value in each message.
+//! How messages are encoded: a schema and a path → where the field is, and its value in each message.
 //!
-//! Protobuf, JSON, and ROS 2 and ROS 1 messages are read straight from their bytes; nothing here knows what the
-//! numbers mean.
+//! Nothing here knows what the numbers mean.
 
 pub mod path;
 
 pub(crate) mod error;
-pub(crate) mod examples;
 pub(crate) mod field;
-mod json;
+pub(crate) mod json;
 mod protobuf;
+mod resolve;
 mod ros;
 pub(crate) mod schema;
 mod tree;

@@ -1,17 +1,23 @@
-//! Why a channel's messages cannot be read as a profile says, in words for the user.
+//! Why fields cannot be read from a channel's messages.
 
-use super::path::FieldPath;
+use std::fmt;
+
+use super::{
+    field::{FieldKind, Shape},
+    path::FieldPath,
+    schema::SUPPORTED,
+};
 use crate::error::Error;
 
-/// How many fields a complaint lists at most.
+/// How many fields a message lists at most.
 const LISTED: usize = 40;
 
-/// Why a channel's messages cannot be read as a profile says.
+/// Why fields cannot be read from a channel's messages.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SchemaError {
     #[error(
-        "its messages are encoded as `{message_encoding}` {}; \
-         flightcam reads protobuf, JSON, ROS 2 (cdr with ros2msg) and ROS 1 (ros1 with ros1msg)",
+        "its messages are encoded as `{message_encoding}` {}; flightcam reads {SUPPORTED}",
         match schema_encoding.as_str() {
             "" => "without a schema".to_owned(),
             encoding => format!("with a schema in `{encoding}`"),
@@ -21,21 +27,27 @@ pub enum SchemaError {
         message_encoding: String,
         schema_encoding: String,
     },
-    #[error("{problem}")]
-    Schema { problem: String },
+    #[error("its protobuf schema cannot be read: {0}")]
+    ProtobufSchema(prost_reflect::DescriptorError),
+    #[error("its protobuf schema does not define `{name}`")]
+    UndefinedProtobufMessage { name: String },
+    #[error("its JSON schema cannot be read: {0}")]
+    JsonSchema(serde_json::Error),
+    #[error("its ROS message definition cannot be used: {0}")]
+    RosDefinition(#[from] RosDefinitionError),
     #[error("it has no field {}; {place} has {}", quote(lacking), list(available))]
     NoSuchField {
         lacking: Vec<FieldPath>,
-        /// The message, or what else was searched for the first of them.
-        place: String,
+        /// Where the first of them was looked for.
+        place: Listing,
         available: Vec<String>,
     },
     #[error("its field `{path}` does not exist, because `{through}` is {kind}")]
     NotThere {
         path: FieldPath,
-        /// Where the path leads through.
-        through: String,
-        kind: &'static str,
+        /// The part of the path that does exist.
+        through: FieldPath,
+        kind: FieldKind,
     },
     #[error(
         "its field `{path}` does not exist, because the list has {length} elements, counted from 0"
@@ -46,21 +58,89 @@ pub enum SchemaError {
     #[error("its field `{path}` is not {wanted} but {kind}")]
     WrongShape {
         path: FieldPath,
-        wanted: &'static str,
-        kind: &'static str,
+        wanted: Expected,
+        kind: FieldKind,
     },
     #[error("its field `{path}` is a number, and its unit is not told: s, ms, us or ns")]
     NoUnit { path: FieldPath },
     #[error("its field `{path}` is wanted both as a whole and in part")]
     Overlap { path: FieldPath },
+    #[error(
+        "nothing after the field `{field}` can be read, because there is a `wstring` in it, \
+         which ROS 2's implementations write in different ways"
+    )]
+    AfterWideText { field: String },
     #[error(transparent)]
     Unreadable(#[from] Error),
 }
 
-/// Names in backquotes.
-pub fn quote(fields: &[FieldPath]) -> String {
-    let names: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
-    names.join(", ")
+/// What is wrong with a ROS message definition.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RosDefinitionError {
+    #[error("line {line}, `{text}`, names no field")]
+    NoField { line: usize, text: String },
+    #[error("{problem}")]
+    Unparsed { problem: String },
+    #[error("it does not define `{name}`")]
+    Undefined { name: String },
+    #[error("`{name}` contains itself, or messages within each other more than {limit} deep")]
+    TooDeep { name: String, limit: usize },
+}
+
+/// What lists the fields of a message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Listing {
+    /// The message type of that name.
+    MessageType(String),
+    /// The channel's JSON schema.
+    JsonSchema,
+    /// That one of a JSON channel's first messages which has the most fields.
+    FirstMessages,
+}
+
+impl fmt::Display for Listing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::MessageType(name) => name,
+            Self::JsonSchema => "its JSON schema",
+            Self::FirstMessages => "the fullest of its first messages",
+        })
+    }
+}
+
+/// What a field has to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Expected {
+    Number,
+    NumberList,
+    Text,
+    /// A list of numbers, or a message of coordinates.
+    Vector,
+    /// A number, or a message of seconds and nanoseconds.
+    Time,
+}
+
+impl From<&Shape> for Expected {
+    fn from(shape: &Shape) -> Self {
+        match shape {
+            Shape::Number => Self::Number,
+            Shape::List => Self::NumberList,
+            Shape::Word(_) => Self::Text,
+        }
+    }
+}
+
+impl fmt::Display for Expected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Number => "a number",
+            Self::NumberList => "a list of numbers",
+            Self::Text => "text",
+            Self::Vector => "a list of numbers or a message with x, y, z",
+            Self::Time => "a number or a message of seconds and nanoseconds",
+        })
+    }
 }
 
 impl SchemaError {
@@ -84,20 +164,34 @@ impl SchemaError {
             | Self::WrongShape { .. }
             | Self::NoUnit { .. }
             | Self::Overlap { .. } => 1,
-            Self::Encoding { .. }
-            | Self::Schema { .. }
-            | Self::OtherType { .. }
-            | Self::Unreadable(_) => usize::MAX,
+            _ => usize::MAX,
         }
     }
 
     /// Whether the fields of the messages cannot be known.
     pub fn is_opaque(&self) -> bool {
-        matches!(self, Self::Encoding { .. } | Self::Schema { .. })
+        matches!(
+            self,
+            Self::Encoding { .. }
+                | Self::ProtobufSchema(_)
+                | Self::UndefinedProtobufMessage { .. }
+                | Self::JsonSchema(_)
+                | Self::RosDefinition(_)
+                | Self::AfterWideText { .. }
+        )
     }
 }
 
+/// Names in backquotes.
+pub fn quote(fields: &[FieldPath]) -> String {
+    let names: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
+    names.join(", ")
+}
+
 fn list(names: &[String]) -> String {
+    if names.is_empty() {
+        return "none".to_owned();
+    }
     let listed = names[..names.len().min(LISTED)].join(", ");
     match names.len().saturating_sub(LISTED) {
         0 => listed,

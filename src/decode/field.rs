@@ -1,5 +1,7 @@
 //! Fields of messages: what is wanted of them, and what a schema says that they are.
 
+use std::fmt;
+
 use super::path::FieldPath;
 
 /// A field that is wanted of every message.
@@ -16,19 +18,8 @@ pub enum Shape {
     Number,
     /// A list of numbers.
     List,
-    /// Text, as its place among these words; another word's place is behind the last.
+    /// Text, as its place among these words; the place of any other word is after the last.
     Word(Vec<String>),
-}
-
-impl Shape {
-    /// As a complaint names it.
-    pub fn describe(&self) -> &'static str {
-        match self {
-            Self::Number => "a number",
-            Self::List => "a list of numbers",
-            Self::Word(_) => "text",
-        }
-    }
 }
 
 /// What a schema says that a path leads to.
@@ -36,31 +27,23 @@ impl Shape {
 pub enum FieldKind {
     /// A number or a truth value.
     Number,
-    /// Text.
     Text,
+    /// ROS 2's `wstring`.
+    WideText,
+    Bytes,
+    Map,
     /// A list of numbers.
     List,
+    TextList,
+    BytesList,
+    MessageList,
     /// A message with these fields.
     Message(Vec<String>),
-    /// Something else, as a complaint names it.
-    Other(&'static str),
     /// Whatever a message holds: the schema does not say.
     Unknown,
 }
 
 impl FieldKind {
-    /// As a complaint names it.
-    pub fn describe(&self) -> &'static str {
-        match self {
-            Self::Number => "a single number",
-            Self::Text => "text",
-            Self::List => "a list",
-            Self::Message(_) => "a message",
-            Self::Other(what) => what,
-            Self::Unknown => "of no known kind",
-        }
-    }
-
     /// Whether a field of this kind can be read as what is wanted.
     pub fn is_a(&self, shape: &Shape) -> bool {
         matches!(
@@ -70,5 +53,23 @@ impl FieldKind {
                 | (Self::Text, Shape::Word(_))
                 | (Self::Unknown, _)
         )
+    }
+}
+
+impl fmt::Display for FieldKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Number => "a single number",
+            Self::Text => "text",
+            Self::WideText => "text of wide characters",
+            Self::Bytes => "a string of bytes",
+            Self::Map => "a map",
+            Self::List => "a list",
+            Self::TextList => "a list of texts",
+            Self::BytesList => "a list of strings of bytes",
+            Self::MessageList => "a list of messages",
+            Self::Message(_) => "a message",
+            Self::Unknown => "of no known kind",
+        })
     }
 }

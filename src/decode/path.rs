@@ -45,6 +45,13 @@ impl FieldPath {
         &self.steps
     }
 
+    /// The first of its steps, that many.
+    pub(super) fn first(&self, count: usize) -> Self {
+        Self {
+            steps: self.steps[..count].to_vec(),
+        }
+    }
+
     /// The field of that name within this one.
     pub fn child(&self, name: &str) -> Self {
         let mut steps = self.steps.clone();

@@ -1,55 +1,59 @@
-//! A channel's schema, whatever it is written in: which fields its messages have, and a decoder for them.
+//! A channel's schema, in any of the encodings: which fields its messages have, and a decoder for them.
 
 use mcap::records::Channel;
 
 use super::{
     error::SchemaError,
-    examples::Examples,
     field::{FieldKind, Wanted},
-    json,
+    json::{FirstMessages, JsonDecoder, JsonSchema},
     path::FieldPath,
-    protobuf, ros,
+    protobuf::{ProtobufDecoder, ProtobufSchema},
+    ros::{Dialect, RosDecoder, RosSchema},
     value::{Slots, Undecodable},
 };
 use crate::log::contents;
 
-/// What tells where the fields of a channel's messages lie.
+/// The encodings that are read, for messages about others.
+pub const SUPPORTED: &str =
+    "protobuf, JSON, ROS 2 (cdr with ros2msg) and ROS 1 (ros1 with ros1msg)";
+
+/// What says which fields a channel's messages have.
 #[derive(Debug)]
-pub enum Schema<'a> {
-    Protobuf(protobuf::Schema),
-    Json(json::Schema<'a>),
-    Ros(ros::Schema),
+pub enum MessageSchema<'a> {
+    Protobuf(ProtobufSchema),
+    Json(JsonSchema<'a>),
+    Ros(RosSchema),
 }
 
 /// Reads wanted fields out of a channel's messages.
 #[derive(Debug)]
-pub enum Decoder {
-    Protobuf(protobuf::Decoder),
-    Json(json::Decoder),
-    Ros(ros::Decoder),
+pub enum MessageDecoder {
+    Protobuf(ProtobufDecoder),
+    Json(JsonDecoder),
+    Ros(RosDecoder),
 }
 
-impl<'a> Schema<'a> {
+impl<'a> MessageSchema<'a> {
     /// Of a channel, which names this schema.
     pub fn of(
         channel: &Channel,
         schema: Option<&contents::Schema>,
-        examples: &'a Examples<'a>,
+        first_messages: &'a FirstMessages<'a>,
     ) -> Result<Self, SchemaError> {
         let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
         match (channel.message_encoding.as_str(), schema_encoding, schema) {
             ("protobuf", "protobuf", Some(schema)) => {
-                protobuf::Schema::new(&schema.name, schema.data()).map(Self::Protobuf)
+                ProtobufSchema::new(&schema.name, schema.data()).map(Self::Protobuf)
             }
             ("json", "jsonschema" | "", schema) => {
                 let data = schema.map_or(&[][..], |schema| schema.data());
-                json::Schema::new(data, examples, channel.id).map(Self::Json)
+                JsonSchema::new(data, first_messages, channel.id).map(Self::Json)
             }
             ("cdr", "ros2msg", Some(schema)) => {
-                ros::Schema::ros2(&schema.name, schema.data()).map(Self::Ros)
+                RosSchema::new(Dialect::Ros2, &schema.name, schema.data()).map(Self::Ros)
             }
             ("ros1", "ros1msg", Some(schema)) => {
-                ros::Schema::ros1(&schema.name, schema.data()).map(Self::Ros)
+                RosSchema::new(Dialect::Ros1, &schema.name, schema.data()).map(Self::Ros)
             }
             (message_encoding, schema_encoding, _) => Err(SchemaError::Encoding {
                 message_encoding: message_encoding.to_owned(),
@@ -67,17 +71,17 @@ impl<'a> Schema<'a> {
         }
     }
 
-    /// A decoder that puts the n-th wanted field into slot n. All of them were found, in the wanted shape.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<Decoder, SchemaError> {
+    /// A decoder that puts the n-th wanted field into slot n.
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<MessageDecoder, SchemaError> {
         match self {
-            Self::Protobuf(schema) => schema.decoder(wanted).map(Decoder::Protobuf),
-            Self::Json(schema) => schema.decoder(wanted).map(Decoder::Json),
-            Self::Ros(schema) => schema.decoder(wanted).map(Decoder::Ros),
+            Self::Protobuf(schema) => schema.decoder(wanted).map(MessageDecoder::Protobuf),
+            Self::Json(schema) => schema.decoder(wanted).map(MessageDecoder::Json),
+            Self::Ros(schema) => schema.decoder(wanted).map(MessageDecoder::Ros),
         }
     }
 }
 
-impl Decoder {
+impl MessageDecoder {
     /// Reads a message's wanted fields into their slots, which must be cleared.
     pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
         match self {

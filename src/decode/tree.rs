@@ -1,115 +1,102 @@
-//! The tree of wanted fields, which a decoder walks beside a message.
+//! The tree of wanted fields. A decoder walks it beside each message and skips what is not in it.
+
+use std::vec;
 
 use super::{
     error::SchemaError,
-    path::{FieldPath, PathStep},
+    field::{Shape, Wanted},
+    resolve::{Key, Node, resolve},
 };
 
-/// The wanted fields of a message, by the names that lead to them.
+/// The wanted fields of a message.
 pub type Branches<Name, Leaf> = Vec<(Name, FieldTree<Name, Leaf>)>;
 
-/// The wanted fields under one step of a path.
+/// What is wanted of a field or of an element.
 #[derive(Debug)]
 pub enum FieldTree<Name, Leaf> {
-    /// A wanted field.
+    /// The whole of it.
     Leaf(Leaf),
-    /// A message that holds wanted fields.
+    /// Fields of the message that it is.
     Message(Branches<Name, Leaf>),
-    /// A list that holds wanted elements, and its place in [`Slots::seen`](super::value::Slots::seen).
+    /// Elements of the list that it is.
     List {
+        /// The list's place in [`Slots::seen`](super::value::Slots::seen).
         counter: usize,
         elements: Vec<(usize, Self)>,
     },
 }
 
-/// A step of a path, its name in whatever form the encoding knows it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Key<Name> {
-    Name(Name),
-    Index(usize),
-}
-
-impl From<&PathStep> for Key<String> {
-    fn from(step: &PathStep) -> Self {
-        match step {
-            PathStep::Name(name) => Self::Name(name.clone()),
-            PathStep::Index(index) => Self::Index(*index),
-        }
-    }
-}
-
-/// A path that leads to what another path leads through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Overlap;
-
-/// The tree of wanted fields, each a path, the keys that lead there, and what is to be done there: the branches
-/// of its root.
-pub fn tree<Name: PartialEq + Clone, Leaf>(
-    wanted: Vec<(&FieldPath, Vec<Key<Name>>, Leaf)>,
-) -> Result<Branches<Name, Leaf>, SchemaError> {
-    let mut root = Vec::new();
+/// Resolves wanted fields against the schema of a message. `leaf` makes what reads a field of a shape into a slot,
+/// the n-th field into slot n; it gives `None` where the field does not have that shape.
+///
+/// # Errors
+/// A field is not in the schema, or not of the wanted shape; or a path leads through what another one leads to.
+pub fn tree<N: Node<Name: PartialEq> + Clone, Leaf>(
+    message: &N,
+    wanted: &[Wanted],
+    leaf: impl Fn(&N, &Shape, usize) -> Option<Leaf>,
+) -> Result<Branches<N::Name, Leaf>, SchemaError> {
+    let mut branches = Vec::new();
     let mut lists = 0;
-    for (path, keys, leaf) in wanted {
-        let path = path.clone();
-        insert(&mut root, &keys, leaf, &mut lists)
-            .map_err(|Overlap| SchemaError::Overlap { path })?;
+    for (slot, Wanted { path, shape }) in wanted.iter().enumerate() {
+        let field = resolve(message.clone(), path)?;
+        let leaf = leaf(&field.node, shape, slot).ok_or_else(|| SchemaError::WrongShape {
+            path: path.clone(),
+            wanted: shape.into(),
+            kind: field.node.kind(),
+        })?;
+        let mut keys = field.keys.into_iter();
+        let inserted = match keys.next() {
+            Some(Key::Name(name)) => insert(&mut branches, name, keys, leaf, &mut lists),
+            _ => Err(Overlap),
+        };
+        inserted.map_err(|Overlap| SchemaError::Overlap { path: path.clone() })?;
     }
-    Ok(root)
+    Ok(branches)
 }
 
-/// Adds a field at the end of a path to the branches of a message. `lists` counts the lists that paths lead
-/// into.
-fn insert<Name: PartialEq + Clone, Leaf>(
-    branches: &mut Branches<Name, Leaf>,
-    path: &[Key<Name>],
+/// A path leads to what another path leads through.
+struct Overlap;
+
+/// Adds what is at the end of a path to branches: the path's next key is one of theirs, `rest` are those after it.
+/// `lists` counts the lists in the tree.
+fn insert<K: PartialEq, Name: PartialEq, Leaf>(
+    branches: &mut Vec<(K, FieldTree<Name, Leaf>)>,
+    key: K,
+    mut rest: vec::IntoIter<Key<Name>>,
     leaf: Leaf,
     lists: &mut usize,
 ) -> Result<(), Overlap> {
-    match path.split_first() {
-        Some((Key::Name(name), rest)) => insert_under(branches, name, rest, leaf, lists),
+    let known = branches.iter().position(|(other, _)| *other == key);
+    let Some(next) = rest.next() else {
+        branches.push((key, FieldTree::Leaf(leaf)));
+        return known.map_or(Ok(()), |_| Err(Overlap));
+    };
+    let place = known.unwrap_or_else(|| {
+        branches.push((key, FieldTree::beginning_with(&next, lists)));
+        branches.len() - 1
+    });
+    match (&mut branches[place].1, next) {
+        (FieldTree::Message(fields), Key::Name(name)) => insert(fields, name, rest, leaf, lists),
+        (FieldTree::List { elements, .. }, Key::Index(index)) => {
+            insert(elements, index, rest, leaf, lists)
+        }
         _ => Err(Overlap),
     }
 }
 
-/// Adds a field at the end of what is left of a path, under the key that comes before that.
-fn insert_under<K: PartialEq + Clone, Name: PartialEq + Clone, Leaf>(
-    branches: &mut Vec<(K, FieldTree<Name, Leaf>)>,
-    key: &K,
-    rest: &[Key<Name>],
-    leaf: Leaf,
-    lists: &mut usize,
-) -> Result<(), Overlap> {
-    let known = branches.iter().position(|(other, _)| other == key);
-    let Some((next, after)) = rest.split_first() else {
-        return match known {
-            Some(_) => Err(Overlap),
-            None => {
-                branches.push((key.clone(), FieldTree::Leaf(leaf)));
-                Ok(())
-            }
-        };
-    };
-    let place = known.unwrap_or_else(|| {
-        let node = match next {
-            Key::Name(_) => FieldTree::Message(Vec::new()),
+impl<Name, Leaf> FieldTree<Name, Leaf> {
+    /// What such a key leads into, with nothing in it yet.
+    fn beginning_with(key: &Key<Name>, lists: &mut usize) -> Self {
+        match key {
+            Key::Name(_) => Self::Message(Vec::new()),
             Key::Index(_) => {
                 *lists += 1;
-                FieldTree::List {
+                Self::List {
                     counter: *lists - 1,
                     elements: Vec::new(),
                 }
             }
-        };
-        branches.push((key.clone(), node));
-        branches.len() - 1
-    });
-    match (&mut branches[place].1, next) {
-        (FieldTree::Message(branches), Key::Name(name)) => {
-            insert_under(branches, name, after, leaf, lists)
         }
-        (FieldTree::List { elements, .. }, Key::Index(index)) => {
-            insert_under(elements, index, after, leaf, lists)
-        }
-        _ => Err(Overlap),
     }
 }

@@ -7,16 +7,16 @@ use super::{
     },
 };
 use crate::decode::{
-    error::SchemaError,
+    error::{Expected, Listing, SchemaError},
     field::{FieldKind, Shape, Wanted},
     path::FieldPath,
-    schema::Schema,
+    schema::MessageSchema,
 };
 
 /// Resolves fields against the schema of one channel, and collects them for its decoder.
 #[derive(Debug)]
 pub struct Binder<'a> {
-    schema: &'a Schema<'a>,
+    schema: &'a MessageSchema<'a>,
     /// The fields that were resolved, in the order of their slots.
     pub wanted: Vec<Wanted>,
     /// The fields that the schema lacks. They are told all at once.
@@ -26,13 +26,13 @@ pub struct Binder<'a> {
 #[derive(Debug)]
 struct Lacking {
     fields: Vec<FieldPath>,
-    place: String,
+    place: Listing,
     available: Vec<String>,
 }
 
 impl<'a> Binder<'a> {
     /// With nothing resolved yet.
-    pub fn new(schema: &'a Schema<'a>) -> Self {
+    pub fn new(schema: &'a MessageSchema<'a>) -> Self {
         Self {
             schema,
             wanted: Vec::new(),
@@ -69,7 +69,7 @@ impl<'a> Binder<'a> {
     pub fn number(&mut self, path: &FieldPath) -> Result<Slot, SchemaError> {
         match self.kind_of(path)? {
             Some(kind) if kind.is_a(&Shape::Number) => Ok(self.slot(path, Shape::Number)),
-            Some(kind) => Err(wrong_shape(path, "a number", &kind)),
+            Some(kind) => Err(wrong_shape(path, Expected::Number, kind)),
             None => Ok(Slot::default()),
         }
     }
@@ -90,10 +90,7 @@ impl<'a> Binder<'a> {
                     let paths = names.map(|name| path.child(name));
                     self.each(paths.each_ref())
                 }
-                Some(kind) => {
-                    let wanted = "a list of numbers or a message with x, y, z";
-                    Err(wrong_shape(path, wanted, &kind))
-                }
+                Some(kind) => Err(wrong_shape(path, Expected::Vector, kind)),
                 None => Ok(BoundComponents::List(Slot::default())),
             },
         }
@@ -152,7 +149,7 @@ impl<'a> Binder<'a> {
             Test::Says(text) => {
                 let (slot, place) = match self.kind_of(path)? {
                     Some(FieldKind::Text | FieldKind::Unknown) => self.word(path, text),
-                    Some(kind) => return Err(wrong_shape(path, "text", &kind)),
+                    Some(kind) => return Err(wrong_shape(path, Expected::Text, kind)),
                     None => Default::default(),
                 };
                 BoundCondition {
@@ -183,8 +180,7 @@ impl<'a> Binder<'a> {
         }
         match kind {
             Some(kind) if !kind.is_a(&Shape::Number) => {
-                let wanted = "a number or a message of seconds and nanoseconds";
-                Err(wrong_shape(path, wanted, &kind))
+                Err(wrong_shape(path, Expected::Time, kind))
             }
             None => Ok(BoundTime::LogTime),
             Some(_) => match unit {
@@ -253,10 +249,10 @@ impl<'a> Binder<'a> {
     }
 }
 
-fn wrong_shape(path: &FieldPath, wanted: &'static str, kind: &FieldKind) -> SchemaError {
+fn wrong_shape(path: &FieldPath, wanted: Expected, kind: FieldKind) -> SchemaError {
     SchemaError::WrongShape {
         path: path.clone(),
         wanted,
-        kind: kind.describe(),
+        kind,
     }
 }

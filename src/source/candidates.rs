@@ -13,11 +13,7 @@ use super::{
     topic::Pattern,
 };
 use crate::{
-    decode::{
-        error::SchemaError,
-        examples::{self, Examples},
-        schema::Schema,
-    },
+    decode::{error::SchemaError, json::FirstMessages, schema::MessageSchema},
     log::{LONGEST_EXAMPLE, contents::Definitions, stream::Passing},
     sample::Kind,
 };
@@ -87,7 +83,7 @@ impl Candidates {
         if payload.len() <= LONGEST_EXAMPLE {
             examples.push(payload.to_vec());
         }
-        if examples.len() == examples::MOST
+        if examples.len() == FirstMessages::COUNT
             && let Some(examples) = self.examples.remove(&channel.id)
         {
             self.judge(channel, definitions, &examples);
@@ -156,8 +152,8 @@ impl Candidates {
         if profiles.peek().is_none() {
             return false;
         }
-        let examples = Examples::given(examples);
-        let Ok(schema) = Schema::of(channel, schema, &examples) else {
+        let examples = FirstMessages::given(examples);
+        let Ok(schema) = MessageSchema::of(channel, schema, &examples) else {
             return false;
         };
         profiles.any(|profile| {
@@ -178,7 +174,7 @@ fn unnamed<'p, A: Alternative>(
 }
 
 /// Whether the fields of such alternatives are there, or none is such.
-fn binds<A: Alternative>(schema: &Schema, profile: &Profile, schema_name: &str) -> bool {
+fn binds<A: Alternative>(schema: &MessageSchema, profile: &Profile, schema_name: &str) -> bool {
     unnamed::<A>(profile, schema_name)
         .and_then(|alternatives| bind_role(&mut Binder::new(schema), profile, &alternatives))
         .is_ok()

@@ -15,7 +15,7 @@ use crate::{
     decode::{
         error::SchemaError,
         field::Wanted,
-        schema::{Decoder, Schema},
+        schema::{MessageDecoder, MessageSchema},
         value::{FieldValue, Number, Slots, Undecodable},
     },
     geometry::RollPitchYaw,
@@ -33,7 +33,7 @@ const QUATERNION_LENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// Reads samples from one channel's messages. A clone reads others at the same time.
 #[derive(Debug, Clone)]
 pub struct ChannelSource {
-    decoder: Arc<Decoder>,
+    decoder: Arc<MessageDecoder>,
     slots: Slots,
     roles: Arc<[Role]>,
     largest: LargestAngles,
@@ -58,7 +58,11 @@ impl LargestAngles {
 
 impl ChannelSource {
     /// For roles that were bound to the channel's schema, which wants these fields.
-    pub fn new(schema: &Schema, wanted: &[Wanted], roles: Vec<Role>) -> Result<Self, SchemaError> {
+    pub fn new(
+        schema: &MessageSchema,
+        wanted: &[Wanted],
+        roles: Vec<Role>,
+    ) -> Result<Self, SchemaError> {
         Ok(Self {
             decoder: Arc::new(schema.decoder(wanted)?),
             slots: Slots::new(wanted),

@@ -19,9 +19,9 @@ use super::{
 use crate::{
     decode::{
         error::{SchemaError, quote},
-        examples::Examples,
+        json::FirstMessages,
         path::FieldPath,
-        schema::Schema,
+        schema::MessageSchema,
     },
     error::Error,
     log::Log,
@@ -68,7 +68,7 @@ pub fn specificity(profile: &Profile) -> Specificity {
 /// logs each hold the definitions of all topics.
 pub struct Finder<'a> {
     log: &'a Log,
-    examples: &'a Examples<'a>,
+    examples: &'a FirstMessages<'a>,
     /// The channels that have messages, by topic.
     topics: BTreeMap<&'a str, Vec<&'a Channel>>,
     /// The only namespace in which to look.
@@ -79,7 +79,7 @@ pub struct Finder<'a> {
 
 impl<'a> Finder<'a> {
     /// In a log, as a request wants it.
-    pub fn new(log: &'a Log, examples: &'a Examples<'a>, request: &'a Request) -> Self {
+    pub fn new(log: &'a Log, examples: &'a FirstMessages<'a>, request: &'a Request) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
         for (channel, _) in log.contents.channels_with_messages() {
             topics.entry(&channel.topic).or_default().push(channel);
@@ -445,9 +445,9 @@ impl<'a> Finder<'a> {
         ChannelSource::new(&schema, &binder.wanted, roles)
     }
 
-    fn schema(&self, channel: &Channel) -> Result<Schema<'a>, SchemaError> {
+    fn schema(&self, channel: &Channel) -> Result<MessageSchema<'a>, SchemaError> {
         let schema = self.log.contents.schema_of(channel);
-        Schema::of(channel, schema, self.examples)
+        MessageSchema::of(channel, schema, self.examples)
     }
 }
 

@@ -9,7 +9,7 @@ use super::{
     request::Request,
     topic::describe_topics,
 };
-use crate::{decode::examples::Examples, error::Error, log::Log, sample::Kind};
+use crate::{decode::json::FirstMessages, error::Error, log::Log, sample::Kind};
 
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,7 +56,7 @@ impl Source {
 
     fn find(log: &Log, request: &Request, thoroughness: Thoroughness) -> Result<Self, Error> {
         let path = || log.file.path().to_owned();
-        let examples = Examples::new(log);
+        let examples = FirstMessages::new(log);
         let finder = Finder::new(log, &examples, request);
         finder.check_told(request)?;
         let mut profiles = request.profiles();
@@ -138,7 +138,7 @@ impl Source {
     /// # Errors
     /// The log cannot be read.
     pub fn keep(self, log: &Log, request: &Request, kinds: &[Kind]) -> Result<Self, Error> {
-        let examples = Examples::new(log);
+        let examples = FirstMessages::new(log);
         let finder = Finder::new(log, &examples, request);
         Ok(Self {
             channels: finder.channels_of(&self.profile, &self.fit, kinds)?,

@@ -9,10 +9,10 @@ use re_ros_msg::{
 
 use super::{
     layout::Length,
-    message::{Element, Field, Message, Type},
-    wire::{Dialect, Scalar},
+    message::{RosElement, RosField, RosMessage, RosType},
+    wire::{Dialect, RosScalar},
 };
-use crate::decode::error::SchemaError;
+use crate::decode::error::RosDefinitionError;
 
 /// How many messages may lie within each other. Those of ROS's own packages are at most seven.
 const MAX_HEIGHT: usize = 64;
@@ -40,7 +40,11 @@ int32 nsec
 ";
 
 /// The message type of that name, from its definition and those that follow it.
-pub fn parse(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Arc<Message>, SchemaError> {
+pub fn parse(
+    dialect: Dialect,
+    name: &str,
+    definition: &[u8],
+) -> Result<Arc<RosMessage>, RosDefinitionError> {
     let text = String::from_utf8_lossy(definition);
     let built_in = match dialect {
         Dialect::Ros1 => BUILT_IN_ROS1,
@@ -64,7 +68,7 @@ pub fn parse(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Arc<Mess
 
 /// A definition with nothing but types and names. Constants and default values are never sent, and some that
 /// ROS allows, or that hostile logs hold, would be too much for the parser.
-fn without_values(text: &str) -> Result<String, SchemaError> {
+fn without_values(text: &str) -> Result<String, RosDefinitionError> {
     let mut plain = String::new();
     for (line, number) in text.trim_start_matches('\u{feff}').lines().zip(1..) {
         let code = line.split('#').next().unwrap_or_default().trim();
@@ -78,13 +82,19 @@ fn without_values(text: &str) -> Result<String, SchemaError> {
             let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
             let (name, rest) = rest.split_at(rest.find(|c| !is_part(c)).unwrap_or(rest.len()));
             if name.is_empty() || !(rest.is_empty() || rest.starts_with([' ', '\t', '='])) {
-                return Err(unusable(format!("line {number}, `{code}`, names no field")));
+                return Err(RosDefinitionError::NoField {
+                    line: number,
+                    text: code.to_owned(),
+                });
             }
             if !rest.trim_start().starts_with('=') {
                 plain += &format!("{type_name} {name}\n");
             }
         } else if !code.is_empty() {
-            return Err(unusable(format!("line {number}, `{code}`, names no field")));
+            return Err(RosDefinitionError::NoField {
+                line: number,
+                text: code.to_owned(),
+            });
         }
     }
     Ok(plain)
@@ -98,34 +108,33 @@ fn full_name(name: &str) -> String {
     }
 }
 
-fn unusable(problem: String) -> SchemaError {
-    SchemaError::Schema {
-        problem: format!("its ROS message definition cannot be used: {problem}"),
-    }
+fn unusable(problem: String) -> RosDefinitionError {
+    RosDefinitionError::Unparsed { problem }
 }
 
 struct Definitions<'a> {
     dialect: Dialect,
     specs: &'a HashMap<String, MessageSpecification>,
     /// What became of them so far.
-    messages: HashMap<String, Arc<Message>>,
+    messages: HashMap<String, Arc<RosMessage>>,
 }
 
 impl Definitions<'_> {
     /// A message that lies within `depth` - 1 others.
-    fn message(&mut self, name: &str, depth: usize) -> Result<Arc<Message>, SchemaError> {
+    fn message(&mut self, name: &str, depth: usize) -> Result<Arc<RosMessage>, RosDefinitionError> {
         if let Some(message) = self.messages.get(name) {
             return Ok(Arc::clone(message));
         }
-        let too_deep = || {
-            unusable(format!(
-                "`{name}` contains itself, or messages within each other more than {MAX_HEIGHT} deep"
-            ))
+        let too_deep = || RosDefinitionError::TooDeep {
+            name: name.to_owned(),
+            limit: MAX_HEIGHT,
         };
         if depth > MAX_HEIGHT {
             return Err(too_deep());
         }
-        let undefined = || unusable(format!("it does not define `{name}`"));
+        let undefined = || RosDefinitionError::Undefined {
+            name: name.to_owned(),
+        };
         let spec = self.specs.get(name).ok_or_else(undefined)?;
         let mut fields = Vec::new();
         for field in &spec.fields {
@@ -142,16 +151,16 @@ impl Definitions<'_> {
                 SpecType::BuiltIn(built_in) => self.built_in(built_in),
                 SpecType::Complex(reference) => {
                     let name = self.resolve(name, reference);
-                    Element::Message(self.message(&name, depth + 1)?)
+                    RosElement::Message(self.message(&name, depth + 1)?)
                 }
                 SpecType::Array { .. } => return Err(unusable("a list holds lists".to_owned())),
             };
-            fields.push(Field {
+            fields.push(RosField {
                 name: field.name.clone(),
-                value: Type { element, list },
+                value: RosType { element, list },
             });
         }
-        let message = Arc::new(Message::new(name.to_owned(), fields, self.dialect));
+        let message = Arc::new(RosMessage::new(name.to_owned(), fields, self.dialect));
         if message.height > MAX_HEIGHT {
             return Err(too_deep());
         }
@@ -175,21 +184,21 @@ impl Definitions<'_> {
         }
     }
 
-    fn built_in(&self, built_in: &BuiltInType) -> Element {
-        Element::Number(match (built_in, self.dialect) {
-            (BuiltInType::String(_), _) => return Element::Text,
-            (BuiltInType::WString(_), _) => return Element::WideText,
-            (BuiltInType::Bool, _) => Scalar::Bool,
-            (BuiltInType::Byte, Dialect::Ros1) | (BuiltInType::Int8, _) => Scalar::Int8,
-            (BuiltInType::Byte | BuiltInType::Char | BuiltInType::UInt8, _) => Scalar::Uint8,
-            (BuiltInType::Int16, _) => Scalar::Int16,
-            (BuiltInType::Int32, _) => Scalar::Int32,
-            (BuiltInType::Int64, _) => Scalar::Int64,
-            (BuiltInType::UInt16, _) => Scalar::Uint16,
-            (BuiltInType::UInt32, _) => Scalar::Uint32,
-            (BuiltInType::UInt64, _) => Scalar::Uint64,
-            (BuiltInType::Float32, _) => Scalar::Float32,
-            (BuiltInType::Float64, _) => Scalar::Float64,
+    fn built_in(&self, built_in: &BuiltInType) -> RosElement {
+        RosElement::Number(match (built_in, self.dialect) {
+            (BuiltInType::String(_), _) => return RosElement::Text,
+            (BuiltInType::WString(_), _) => return RosElement::WideText,
+            (BuiltInType::Bool, _) => RosScalar::Bool,
+            (BuiltInType::Byte, Dialect::Ros1) | (BuiltInType::Int8, _) => RosScalar::Int8,
+            (BuiltInType::Byte | BuiltInType::Char | BuiltInType::UInt8, _) => RosScalar::Uint8,
+            (BuiltInType::Int16, _) => RosScalar::Int16,
+            (BuiltInType::Int32, _) => RosScalar::Int32,
+            (BuiltInType::Int64, _) => RosScalar::Int64,
+            (BuiltInType::UInt16, _) => RosScalar::Uint16,
+            (BuiltInType::UInt32, _) => RosScalar::Uint32,
+            (BuiltInType::UInt64, _) => RosScalar::Uint64,
+            (BuiltInType::Float32, _) => RosScalar::Float32,
+            (BuiltInType::Float64, _) => RosScalar::Float64,
         })
     }
 }

@@ -11,35 +11,35 @@ pub enum Length {
     Sent,
 }
 
-/// How many bytes a value of fixed size takes, with the padding before it: by how far behind a multiple of eight
+/// How many bytes a value of fixed size takes, with the padding before it: by how far after a multiple of eight
 /// bytes it begins, since nothing is aligned to more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout([usize; 8]);
+pub struct PaddedSize([usize; 8]);
 
-impl Layout {
+impl PaddedSize {
     const NOTHING: Self = Self([0; 8]);
 
     /// A number.
-    pub fn number(size: usize, alignment: usize) -> Self {
+    pub fn of_number(size: usize, alignment: usize) -> Self {
         Self(std::array::from_fn(|at| {
             at.next_multiple_of(alignment) - at + size
         }))
     }
 
     /// The size of a value that begins there.
-    pub fn size_at(self, at: usize) -> usize {
+    pub fn at(self, at: usize) -> usize {
         self.0[at % self.0.len()]
     }
 
-    /// A value and another behind it. A size beyond all bounds stays beyond them.
+    /// A value and another after it. A size beyond all bounds stays beyond them.
     fn then(self, next: Self) -> Self {
         Self(std::array::from_fn(|at| {
             let size = self.0[at];
-            size.saturating_add(next.size_at(at.wrapping_add(size)))
+            size.saturating_add(next.at(at.wrapping_add(size)))
         }))
     }
 
-    /// So many of the same, one behind the other, in as many steps as the count has bits.
+    /// That many of the same, one after the other, in as many steps as the count has bits.
     pub fn repeat(self, count: usize) -> Self {
         let [size, ..] = self.0;
         if self == Self([size; 8]) {
@@ -61,7 +61,7 @@ impl Layout {
 #[derive(Debug, Clone)]
 pub enum Skip {
     /// Values of fixed size.
-    Fixed(Layout),
+    Fixed(PaddedSize),
     /// A list, or a message that has one.
     Elements { length: Length, element: Extent },
 }
@@ -74,9 +74,9 @@ impl Skip {
     /// A list of fixed or varying length.
     pub fn elements(length: Length, element: Extent) -> Self {
         match (length, &*element) {
-            (Length::Fixed(0), _) | (Length::Fixed(_), []) => Self::Fixed(Layout::NOTHING),
+            (Length::Fixed(0), _) | (Length::Fixed(_), []) => Self::Fixed(PaddedSize::NOTHING),
             (Length::Fixed(1), [skip]) => skip.clone(),
-            (Length::Fixed(count), [Self::Fixed(layout)]) => Self::Fixed(layout.repeat(count)),
+            (Length::Fixed(count), [Self::Fixed(size)]) => Self::Fixed(size.repeat(count)),
             _ => Self::Elements { length, element },
         }
     }
@@ -84,7 +84,7 @@ impl Skip {
     /// Adds this to the end of others.
     pub fn append_to(self, skips: &mut Vec<Self>) {
         match (skips.last_mut(), self) {
-            (Some(Self::Fixed(last)), Self::Fixed(layout)) => *last = last.then(layout),
+            (Some(Self::Fixed(last)), Self::Fixed(size)) => *last = last.then(size),
             (_, skip) => skips.push(skip),
         }
     }

@@ -1,20 +1,20 @@
-//! Message types, as their definitions say.
+//! Message types, with all that they are made of.
 
 use std::sync::Arc;
 
 use super::{
     layout::{Extent, Length, Skip},
-    wire::{Dialect, Scalar},
+    wire::{Dialect, RosScalar},
 };
-use crate::decode::field::FieldKind;
+use crate::decode::{error::Listing, field::FieldKind, resolve::Node};
 
 /// A message type.
 #[derive(Debug)]
-pub struct Message {
+pub struct RosMessage {
     /// As definitions refer to it: `pkg/Type`.
     pub name: String,
     /// In the order in which they are sent.
-    pub fields: Vec<Field>,
+    pub fields: Vec<RosField>,
     /// How to step over one; `None` where it has a wide text.
     pub extent: Option<Extent>,
     /// How many messages there are within each other, this one included.
@@ -23,31 +23,31 @@ pub struct Message {
 
 /// A field of a message.
 #[derive(Debug)]
-pub struct Field {
+pub struct RosField {
     pub name: String,
-    pub value: Type,
+    pub value: RosType,
 }
 
 /// What a field holds: one element or a list.
 #[derive(Debug, Clone)]
-pub struct Type {
-    pub element: Element,
+pub struct RosType {
+    pub element: RosElement,
     pub list: Option<Length>,
 }
 
 #[derive(Debug, Clone)]
-pub enum Element {
-    Number(Scalar),
+pub enum RosElement {
+    Number(RosScalar),
     Text,
-    /// ROS 2's `wstring`. What of it is sent is told differently by the standard and by each implementation,
-    /// two or four bytes a character (<https://github.com/ros2/rmw_cyclonedds/issues/43>), so it cannot be
-    /// read, nor can what lies behind it.
+    /// ROS 2's `wstring`. The standard and each implementation differ in what they send of it, two or four bytes a
+    /// character (<https://github.com/ros2/rmw_cyclonedds/issues/43>), so neither it nor what comes after it can be
+    /// read.
     WideText,
-    Message(Arc<Message>),
+    Message(Arc<RosMessage>),
 }
 
-impl Message {
-    pub fn new(name: String, fields: Vec<Field>, dialect: Dialect) -> Self {
+impl RosMessage {
+    pub fn new(name: String, fields: Vec<RosField>, dialect: Dialect) -> Self {
         let mut skips = Some(Vec::new());
         let mut height = 1;
         for field in &fields {
@@ -55,7 +55,7 @@ impl Message {
                 (Some(skip), Some(skips)) => skip.append_to(skips),
                 _ => skips = None,
             }
-            if let Element::Message(inner) = &field.value.element {
+            if let RosElement::Message(inner) = &field.value.element {
                 height = height.max(inner.height + 1);
             }
         }
@@ -67,13 +67,13 @@ impl Message {
         }
     }
 
-    pub fn field_names(&self) -> Vec<String> {
+    fn field_names(&self) -> Vec<String> {
         self.fields.iter().map(|field| field.name.clone()).collect()
     }
 }
 
-impl From<Element> for Type {
-    fn from(element: Element) -> Self {
+impl From<RosElement> for RosType {
+    fn from(element: RosElement) -> Self {
         Self {
             element,
             list: None,
@@ -81,16 +81,12 @@ impl From<Element> for Type {
     }
 }
 
-impl Type {
-    pub fn kind(&self) -> FieldKind {
+impl RosType {
+    /// The message that it is.
+    fn message(&self) -> Option<&RosMessage> {
         match (&self.element, self.list) {
-            (Element::Number(_), None) => FieldKind::Number,
-            (Element::Number(_), Some(_)) => FieldKind::List,
-            (Element::Text, None) => FieldKind::Text,
-            (Element::WideText, None) => FieldKind::Other("text of wide characters"),
-            (Element::Text | Element::WideText, Some(_)) => FieldKind::Other("a list of texts"),
-            (Element::Message(message), None) => FieldKind::Message(message.field_names()),
-            (Element::Message(_), Some(_)) => FieldKind::Other("a list of messages"),
+            (RosElement::Message(message), None) => Some(message),
+            _ => None,
         }
     }
 
@@ -101,9 +97,52 @@ impl Type {
     }
 }
 
-impl Element {
+impl Node for RosType {
+    /// The field's place in its message.
+    type Name = usize;
+
+    fn kind(&self) -> FieldKind {
+        match (&self.element, self.list) {
+            (RosElement::Number(_), None) => FieldKind::Number,
+            (RosElement::Number(_), Some(_)) => FieldKind::List,
+            (RosElement::Text, None) => FieldKind::Text,
+            (RosElement::WideText, None) => FieldKind::WideText,
+            (RosElement::Text | RosElement::WideText, Some(_)) => FieldKind::TextList,
+            (RosElement::Message(message), None) => FieldKind::Message(message.field_names()),
+            (RosElement::Message(_), Some(_)) => FieldKind::MessageList,
+        }
+    }
+
+    fn fields(&self) -> Option<(Listing, Vec<String>)> {
+        let message = self.message()?;
+        let listing = Listing::MessageType(message.name.clone());
+        Some((listing, message.field_names()))
+    }
+
+    fn field(&self, name: &str) -> Option<(usize, Self)> {
+        let fields = &self.message()?.fields;
+        let place = fields.iter().position(|field| field.name == name)?;
+        Some((place, fields[place].value.clone()))
+    }
+
+    fn element(&self, index: usize) -> Option<Self> {
+        match self.list? {
+            Length::Fixed(length) if index >= length => None,
+            _ => Some(self.element.clone().into()),
+        }
+    }
+
+    fn length(&self) -> Option<usize> {
+        match self.list? {
+            Length::Fixed(length) => Some(length),
+            Length::Sent => None,
+        }
+    }
+}
+
+impl RosElement {
     pub fn extent(&self, dialect: Dialect) -> Option<Extent> {
-        let bytes = |size| Extent::from([Skip::Fixed(dialect.layout(size))]);
+        let bytes = |size| Extent::from([Skip::Fixed(dialect.padded_size(size))]);
         match self {
             Self::Number(scalar) => Some(bytes(scalar.size())),
             Self::Text => Some(Extent::from([Skip::elements(Length::Sent, bytes(1))])),

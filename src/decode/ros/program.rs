@@ -1,11 +1,9 @@
 //! What to do with the bytes of a message to have the wanted fields.
 
-use std::sync::Arc;
-
 use super::{
     layout::{Extent, Length, Skip},
-    message::{Element, Field, Message, Type},
-    wire::{Cursor, Dialect, Scalar},
+    message::{RosElement, RosField, RosType},
+    wire::{Cursor, Dialect, RosScalar},
 };
 use crate::decode::{
     error::SchemaError,
@@ -14,8 +12,8 @@ use crate::decode::{
     value::{FieldValue, Undecodable},
 };
 
-/// Wanted fields by the names that lead to them, each with what reads it.
-type Fields = FieldTree<String, Op>;
+/// Wanted fields by their places in messages, each with what reads it.
+type Fields = FieldTree<usize, Op>;
 
 /// What to do, in this order.
 #[derive(Debug)]
@@ -25,11 +23,11 @@ pub struct Program(Vec<Op>);
 pub enum Op {
     Skip(Skip),
     Number {
-        scalar: Scalar,
+        scalar: RosScalar,
         slot: usize,
     },
     Numbers {
-        scalar: Scalar,
+        scalar: RosScalar,
         length: Length,
         slot: usize,
     },
@@ -48,15 +46,17 @@ pub enum Op {
 
 impl Op {
     /// Reads a field into a slot; `None` where it is nothing of this shape.
-    pub fn read(field: &Type, shape: &Shape, slot: usize) -> Option<Self> {
+    pub fn read(field: &RosType, shape: &Shape, slot: usize) -> Option<Self> {
         match (shape, &field.element, field.list) {
-            (Shape::Number, &Element::Number(scalar), None) => Some(Self::Number { scalar, slot }),
-            (Shape::List, &Element::Number(scalar), Some(length)) => Some(Self::Numbers {
+            (Shape::Number, &RosElement::Number(scalar), None) => {
+                Some(Self::Number { scalar, slot })
+            }
+            (Shape::List, &RosElement::Number(scalar), Some(length)) => Some(Self::Numbers {
                 scalar,
                 length,
                 slot,
             }),
-            (Shape::Word(words), Element::Text, None) => Some(Self::Word {
+            (Shape::Word(words), RosElement::Text, None) => Some(Self::Word {
                 words: words.clone(),
                 slot,
             }),
@@ -66,15 +66,11 @@ impl Op {
 }
 
 impl Program {
-    /// Reads these fields of a message, all of them found in its definition.
-    pub fn new(
-        message: &Arc<Message>,
-        wanted: Fields,
-        dialect: Dialect,
-    ) -> Result<Self, SchemaError> {
+    /// Reads these fields of a message, all of them resolved against its type.
+    pub fn new(message: &RosType, wanted: Fields, dialect: Dialect) -> Result<Self, SchemaError> {
         let mut compiler = Compiler::new(dialect);
-        compiler.value(&Element::Message(Arc::clone(message)).into(), wanted)?;
-        // What is left to pass lies behind the last of them.
+        compiler.value(message, wanted)?;
+        // What is left to pass comes after the last of them.
         Ok(Self(compiler.ops))
     }
 
@@ -118,7 +114,7 @@ impl Program {
 struct Compiler {
     dialect: Dialect,
     ops: Vec<Op>,
-    /// What lies between the last of these and the field that is looked at.
+    /// What is between the last of these and the field that is looked at.
     to_pass: Vec<Skip>,
     /// A field there that cannot be passed.
     barrier: Option<String>,
@@ -134,16 +130,16 @@ impl Compiler {
         }
     }
 
-    fn value(&mut self, value: &Type, wanted: Fields) -> Result<(), SchemaError> {
+    fn value(&mut self, value: &RosType, wanted: Fields) -> Result<(), SchemaError> {
         match (wanted, value.list, &value.element) {
             (Fields::Leaf(op), ..) => {
                 self.pass()?;
                 self.ops.push(op);
             }
-            (Fields::Message(mut wanted), None, Element::Message(message)) => {
-                for field in &message.fields {
-                    match wanted.iter().position(|(name, _)| *name == field.name) {
-                        Some(place) => self.value(&field.value, wanted.swap_remove(place).1)?,
+            (Fields::Message(mut wanted), None, RosElement::Message(message)) => {
+                for (place, field) in message.fields.iter().enumerate() {
+                    match wanted.iter().position(|(other, _)| *other == place) {
+                        Some(found) => self.value(&field.value, wanted.swap_remove(found).1)?,
                         None => self.leave_out(field),
                     }
                 }
@@ -153,7 +149,7 @@ impl Compiler {
                 let op = self.elements(length, element, elements)?;
                 self.ops.push(op);
             }
-            _ => unreachable!("each path was found in the definition"),
+            _ => unreachable!("each path was resolved against the type"),
         }
         Ok(())
     }
@@ -161,15 +157,15 @@ impl Compiler {
     fn elements(
         &self,
         length: Length,
-        element: &Element,
+        element: &RosElement,
         mut wanted: Vec<(usize, Fields)>,
     ) -> Result<Op, SchemaError> {
         wanted.sort_unstable_by_key(|(place, _)| *place);
-        let value = Type::from(element.clone());
+        let value = RosType::from(element.clone());
         let program = |(place, wanted)| {
             let mut compiler = Self::new(self.dialect);
             compiler.value(&value, wanted)?;
-            // Behind it comes the next element.
+            // The next element comes after it.
             compiler.pass()?;
             Ok::<_, SchemaError>((place, Program(compiler.ops)))
         };
@@ -182,7 +178,7 @@ impl Compiler {
         })
     }
 
-    fn leave_out(&mut self, field: &Field) {
+    fn leave_out(&mut self, field: &RosField) {
         match field.value.skip(self.dialect) {
             Some(skip) => skip.append_to(&mut self.to_pass),
             None => {
@@ -194,12 +190,7 @@ impl Compiler {
     /// Over to the field that is looked at.
     fn pass(&mut self) -> Result<(), SchemaError> {
         match self.barrier.take() {
-            Some(field) => Err(SchemaError::Schema {
-                problem: format!(
-                    "nothing behind the field `{field}` can be read, because there is a `wstring` in it, \
-                     which ROS 2's implementations write in different ways"
-                ),
-            }),
+            Some(field) => Err(SchemaError::AfterWideText { field }),
             None => {
                 self.ops.extend(self.to_pass.drain(..).map(Op::Skip));
                 Ok(())

@@ -1,11 +1,11 @@
 //! The bytes of a message, read from front to back.
 //!
-//! CDR as ROS 2 writes it is XCDR version 1: four bytes that tell the encoding, then the values, every number
-//! aligned to its own size, counted from behind these four bytes (OMG DDS-XTypes 1.3, sections 7.4.1 and 7.6.2.1,
-//! <https://www.omg.org/spec/DDS-XTypes/1.3/PDF>). ROS 1 puts values one behind the other, little-endian
+//! CDR as ROS 2 writes it is XCDR version 1: four bytes that name the encoding, then the values, every number
+//! aligned to its own size, counted from after these four bytes (OMG DDS-XTypes 1.3, sections 7.4.1 and 7.6.2.1,
+//! <https://www.omg.org/spec/DDS-XTypes/1.3/PDF>). ROS 1 puts values one after the other, little-endian
 //! (<https://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes>).
 
-use super::layout::{Layout, Length, Skip};
+use super::layout::{Length, PaddedSize, Skip};
 use crate::decode::value::{Number, Undecodable};
 
 /// Which ROS the messages are of.
@@ -16,15 +16,15 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// How a number of this many bytes lies.
-    pub fn layout(self, size: usize) -> Layout {
-        Layout::number(size, if self == Self::Ros2 { size } else { 1 })
+    /// Of a number of that many bytes.
+    pub fn padded_size(self, size: usize) -> PaddedSize {
+        PaddedSize::of_number(size, if self == Self::Ros2 { size } else { 1 })
     }
 }
 
 /// What a number is written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scalar {
+pub enum RosScalar {
     Bool,
     Int8,
     Int16,
@@ -38,7 +38,7 @@ pub enum Scalar {
     Float64,
 }
 
-impl Scalar {
+impl RosScalar {
     /// In bytes.
     pub fn size(self) -> usize {
         match self {
@@ -79,19 +79,19 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    pub fn number(&mut self, scalar: Scalar) -> Result<Number, Undecodable> {
+    pub fn number(&mut self, scalar: RosScalar) -> Result<Number, Undecodable> {
         Ok(match scalar {
-            Scalar::Bool => (self.take::<1>()? != [0]).into(),
-            Scalar::Int8 => i64::from(i8::from_le_bytes(self.take()?)).into(),
-            Scalar::Int16 => i64::from(i16::from_le_bytes(self.take()?)).into(),
-            Scalar::Int32 => i64::from(i32::from_le_bytes(self.take()?)).into(),
-            Scalar::Int64 => i64::from_le_bytes(self.take()?).into(),
-            Scalar::Uint8 => u64::from(u8::from_le_bytes(self.take()?)).into(),
-            Scalar::Uint16 => u64::from(u16::from_le_bytes(self.take()?)).into(),
-            Scalar::Uint32 => u64::from(u32::from_le_bytes(self.take()?)).into(),
-            Scalar::Uint64 => u64::from_le_bytes(self.take()?).into(),
-            Scalar::Float32 => f64::from(f32::from_le_bytes(self.take()?)).into(),
-            Scalar::Float64 => f64::from_le_bytes(self.take()?).into(),
+            RosScalar::Bool => (self.take::<1>()? != [0]).into(),
+            RosScalar::Int8 => i64::from(i8::from_le_bytes(self.take()?)).into(),
+            RosScalar::Int16 => i64::from(i16::from_le_bytes(self.take()?)).into(),
+            RosScalar::Int32 => i64::from(i32::from_le_bytes(self.take()?)).into(),
+            RosScalar::Int64 => i64::from_le_bytes(self.take()?).into(),
+            RosScalar::Uint8 => u64::from(u8::from_le_bytes(self.take()?)).into(),
+            RosScalar::Uint16 => u64::from(u16::from_le_bytes(self.take()?)).into(),
+            RosScalar::Uint32 => u64::from(u32::from_le_bytes(self.take()?)).into(),
+            RosScalar::Uint64 => u64::from_le_bytes(self.take()?).into(),
+            RosScalar::Float32 => f64::from(f32::from_le_bytes(self.take()?)).into(),
+            RosScalar::Float64 => f64::from_le_bytes(self.take()?).into(),
         })
     }
 
@@ -118,7 +118,7 @@ impl<'a> Cursor<'a> {
     pub fn skip(&mut self, skips: &[Skip]) -> Result<(), Undecodable> {
         for skip in skips {
             match skip {
-                Skip::Fixed(layout) => self.advance(layout.size_at(self.at))?,
+                Skip::Fixed(size) => self.advance(size.at(self.at))?,
                 Skip::Elements { length, element } => {
                     let count = self.length(*length)?;
                     self.skip_elements(element, count)?;
@@ -131,7 +131,7 @@ impl<'a> Cursor<'a> {
     pub fn skip_elements(&mut self, element: &[Skip], count: usize) -> Result<(), Undecodable> {
         match element {
             [] => Ok(()),
-            [Skip::Fixed(layout)] => self.advance(layout.repeat(count).size_at(self.at)),
+            [Skip::Fixed(size)] => self.advance(size.repeat(count).at(self.at)),
             // Each holds a length of four bytes at least, so however many are claimed, the bytes end the loop.
             varying => (0..count).try_for_each(|_| self.skip(varying)),
         }

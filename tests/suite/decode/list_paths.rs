@@ -304,7 +304,7 @@ fn a_path_into_what_is_no_message_or_list_says_so() {
         ("note", "`note` is not a number but text"),
         ("raw[0]", "`raw` is a string of bytes"),
         ("by.a", "`by` is a map"),
-        ("esc.rpm", "`esc` is a list, but not of numbers"),
+        ("esc.rpm", "`esc` is a list of messages"),
         ("esc[0]", "`esc[0]` is not a number but a message"),
         ("esc[0].x", "`esc[0].x`; test.Esc has rpm"),
         ("still[0]", "`still` is a single number"),

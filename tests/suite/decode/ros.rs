@@ -289,7 +289,7 @@ fn what_lies_before_a_wide_text_can_be_read_and_what_lies_behind_cannot() {
     assert_eq!(find_one(Wire::LittleEndian, text, &message, "a"), Ok(5.0));
     for (field, barrier) in [("b", "es"), ("one.x", "es"), ("es[0].x", "w")] {
         let error = find_one(Wire::LittleEndian, text, &message, field).expect_err(field);
-        let essential = format!("nothing behind the field `{barrier}` can be read");
+        let essential = format!("nothing after the field `{barrier}` can be read");
         assert!(
             error.contains(&essential) && error.contains("wstring"),
             "{error}"

@@ -217,12 +217,12 @@ fn a_profile_that_asks_for_what_a_schema_lacks_names_it_and_what_there_is() {
         (("pose.q", "pose.quat"), ["pose.quat", "speed, ok, q"]),
         (
             ("pose.speed.x", "pose.speed.x.y"),
-            ["pose.speed.x.y", "`x` is a single number"],
+            ["pose.speed.x.y", "`pose.speed.x` is a single number"],
         ),
         (("pose.speed.x", "frame"), ["`frame`", "text"]),
         (
             ("pose.q", "others.q"),
-            ["others.q", "`others` is a list, but not of numbers"],
+            ["others.q", "`others` is a list of messages"],
         ),
         (
             ("pose.q", "pose.ok"),

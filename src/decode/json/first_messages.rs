@@ -1,4 +1,4 @@
-//! The first messages of JSON channels, for what their schemas do not tell.
+//! The first messages of JSON channels, for what their schemas do not say.
 
 use std::{
     cell::OnceCell,
@@ -9,12 +9,9 @@ use serde_json::Value;
 
 use crate::{error::Error, log::Log};
 
-/// How many messages of a channel are examples at most.
-pub const MOST: usize = 10;
-
 /// The first messages of JSON channels.
 #[derive(Debug)]
-pub enum Examples<'a> {
+pub enum FirstMessages<'a> {
     /// Of every one of a log, read from there when first asked for.
     OfLog {
         log: &'a Log,
@@ -24,7 +21,10 @@ pub enum Examples<'a> {
     Given(Vec<Value>),
 }
 
-impl<'a> Examples<'a> {
+impl<'a> FirstMessages<'a> {
+    /// That many of a channel are looked at.
+    pub const COUNT: usize = 10;
+
     pub fn new(log: &'a Log) -> Self {
         Self::OfLog {
             log,
@@ -63,7 +63,7 @@ fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, Error> {
         .filter(|channel| channel.record.message_encoding == "json")
         .map(|channel| channel.record.id)
         .collect();
-    let payloads = log.first_payloads(&json, MOST)?;
+    let payloads = log.first_payloads(&json, FirstMessages::COUNT)?;
     Ok((payloads.into_iter())
         .map(|(channel_id, payloads)| (channel_id, parse(&payloads)))
         .collect())

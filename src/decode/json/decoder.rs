@@ -1,0 +1,295 @@
+//! Numbers and texts out of the text of JSON messages.
+
+use std::fmt;
+
+use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
+
+use crate::decode::{
+    field::Shape,
+    tree::{Branches, FieldTree},
+    value::{FieldValue, Number, Slots, Undecodable},
+};
+
+/// Reads the wanted fields of one channel's messages.
+#[derive(Debug)]
+pub struct JsonDecoder {
+    fields: Branches<String, JsonLeaf>,
+}
+
+type JsonTree = FieldTree<String, JsonLeaf>;
+
+/// How a wanted field is read.
+#[derive(Debug)]
+pub struct JsonLeaf {
+    slot: usize,
+    /// The words among which a text is looked up; `None` where numbers are wanted.
+    words: Option<Vec<String>>,
+}
+
+impl JsonLeaf {
+    pub fn new(shape: &Shape, slot: usize) -> Self {
+        let words = match shape {
+            Shape::Word(words) => Some(words.clone()),
+            Shape::Number | Shape::List => None,
+        };
+        Self { slot, words }
+    }
+}
+
+impl JsonDecoder {
+    pub fn new(fields: Branches<String, JsonLeaf>) -> Self {
+        Self { fields }
+    }
+
+    /// Reads a message's wanted fields into their slots, which must be cleared.
+    pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
+        let mut json = serde_json::Deserializer::from_slice(message);
+        let fields = &self.fields;
+        MessageSeed { fields, slots }.deserialize(&mut json)?;
+        Ok(json.end()?)
+    }
+}
+
+impl From<serde_json::Error> for Undecodable {
+    fn from(_: serde_json::Error) -> Self {
+        Self::Malformed
+    }
+}
+
+/// The number that a text is: how the JSON form of protobuf writes 64-bit integers, `NaN` and `Infinity`
+/// (<https://protobuf.dev/programming-guides/json/>), and how some loggers write all numbers.
+pub fn number_in(text: &str) -> Option<Number> {
+    let integer =
+        (text.parse().map(Number::Signed)).or_else(|_| text.parse().map(Number::Unsigned));
+    integer
+        .or_else(|_| text.trim().parse().map(Number::Real))
+        .ok()
+}
+
+/// An object: what is wanted of it goes to the slots, the rest is skipped without being built.
+struct MessageSeed<'a> {
+    fields: &'a [(String, JsonTree)],
+    slots: &'a mut Slots,
+}
+
+impl<'de> DeserializeSeed<'de> for MessageSeed<'_> {
+    type Value = ();
+
+    fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for MessageSeed<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    /// `null` for an object leaves all of its fields missing.
+    fn visit_unit<E: serde::de::Error>(self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let fields = self.fields;
+        while let Some(wanted) = map.next_key_seed(KeySeed { fields })? {
+            match wanted {
+                None => {
+                    map.next_value::<IgnoredAny>()?;
+                }
+                Some(node) => map.next_value_seed(NodeSeed {
+                    node,
+                    slots: &mut *self.slots,
+                })?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A key: what is wanted of it, found without making a string of it.
+struct KeySeed<'a> {
+    fields: &'a [(String, JsonTree)],
+}
+
+impl<'de, 'a> DeserializeSeed<'de> for KeySeed<'a> {
+    type Value = Option<&'a JsonTree>;
+
+    fn deserialize<D: serde::Deserializer<'de>>(
+        self,
+        deserializer: D,
+    ) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_str(self)
+    }
+}
+
+impl<'a> Visitor<'_> for KeySeed<'a> {
+    type Value = Option<&'a JsonTree>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a key")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {
+        let mut fields = self.fields.iter();
+        let found = fields.find(|(wanted, _)| wanted == name);
+        Ok(found.map(|(_, node)| node))
+    }
+}
+
+/// Whatever a key leads to.
+struct NodeSeed<'a> {
+    node: &'a JsonTree,
+    slots: &'a mut Slots,
+}
+
+impl<'de> DeserializeSeed<'de> for NodeSeed<'_> {
+    type Value = ();
+
+    fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        let slots = self.slots;
+        match self.node {
+            FieldTree::Message(fields) => MessageSeed { fields, slots }.deserialize(deserializer),
+            FieldTree::List { elements, .. } => {
+                deserializer.deserialize_any(ElementsVisitor { elements, slots })
+            }
+            FieldTree::Leaf(leaf) => {
+                let words = leaf.words.as_deref();
+                let slot = &mut slots.values[leaf.slot];
+                LeafVisitor {
+                    words,
+                    is_element: false,
+                    slot,
+                }
+                .deserialize(deserializer)
+            }
+        }
+    }
+}
+
+/// A list: what is wanted of its elements goes to the slots.
+struct ElementsVisitor<'a> {
+    elements: &'a [(usize, JsonTree)],
+    slots: &'a mut Slots,
+}
+
+impl<'de> Visitor<'de> for ElementsVisitor<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list")
+    }
+
+    /// `null` for a list leaves all of its elements missing.
+    fn visit_unit<E: serde::de::Error>(self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        for index in 0.. {
+            let more = match self.elements.iter().find(|(wanted, _)| *wanted == index) {
+                None => seq.next_element::<IgnoredAny>()?.is_some(),
+                Some((_, node)) => {
+                    let slots = &mut *self.slots;
+                    seq.next_element_seed(NodeSeed { node, slots })?.is_some()
+                }
+            };
+            if !more {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A number, a truth value, a list of numbers, a text, or `null` for a field that is missing.
+struct LeafVisitor<'a> {
+    words: Option<&'a [String]>,
+    /// Whether it stands in a list, in which no further list may stand.
+    is_element: bool,
+    slot: &'a mut FieldValue,
+}
+
+impl LeafVisitor<'_> {
+    /// Sets a number, which is none of the wanted words.
+    fn set(self, number: impl Into<Number>) {
+        match self.words {
+            Some(words) => self.slot.set(words.len() as u64),
+            None => self.slot.set(number),
+        }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for LeafVisitor<'_> {
+    type Value = ();
+
+    fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for LeafVisitor<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number, a truth value, a list of numbers, or text")
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<(), E> {
+        self.set(number);
+        Ok(())
+    }
+
+    fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<(), E> {
+        self.set(number);
+        Ok(())
+    }
+
+    fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<(), E> {
+        self.set(number);
+        Ok(())
+    }
+
+    fn visit_bool<E: serde::de::Error>(self, truth: bool) -> Result<(), E> {
+        self.set(truth);
+        Ok(())
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<(), E> {
+        match self.words {
+            Some(words) => self.slot.set_word(words, text.as_bytes()),
+            None => {
+                let not_a_number = || E::invalid_type(Unexpected::Str(text), &"a number");
+                self.slot.set(number_in(text).ok_or_else(not_a_number)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn visit_unit<E: serde::de::Error>(self) -> Result<(), E> {
+        self.slot.clear();
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        if self.is_element || self.words.is_some() {
+            return Err(serde::de::Error::invalid_type(Unexpected::Seq, &"a number"));
+        }
+        self.slot.set_empty_list();
+        let mut element = FieldValue::default();
+        let mut read_element = || {
+            seq.next_element_seed(LeafVisitor {
+                words: None,
+                is_element: true,
+                slot: &mut element,
+            })
+            .map(|read| read.map(|()| element.number().unwrap_or(f64::NAN)))
+        };
+        while let Some(number) = read_element()? {
+            self.slot.push(number);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,166 @@
+//! What a JSON Schema and a channel's first messages say of its messages.
+
+use serde_json::{Map, Value};
+
+use super::{
+    decoder::{JsonDecoder, JsonLeaf, number_in},
+    first_messages::FirstMessages,
+};
+use crate::decode::{
+    error::{Listing, SchemaError},
+    field::{FieldKind, Wanted},
+    path::FieldPath,
+    resolve::{Node, resolve, walk},
+    tree::tree,
+};
+
+/// What is known of a channel's messages: what its JSON Schema lists, and what its first messages have.
+#[derive(Debug)]
+pub struct JsonSchema<'a> {
+    schema: Value,
+    first_messages: &'a FirstMessages<'a>,
+    channel_id: u16,
+}
+
+impl<'a> JsonSchema<'a> {
+    /// Of a channel, whose JSON Schema may be empty.
+    pub fn new(
+        schema: &[u8],
+        first_messages: &'a FirstMessages<'a>,
+        channel_id: u16,
+    ) -> Result<Self, SchemaError> {
+        Ok(Self {
+            schema: match schema {
+                b"" => Value::Null,
+                schema => serde_json::from_slice(schema).map_err(SchemaError::JsonSchema)?,
+            },
+            first_messages,
+            channel_id,
+        })
+    }
+
+    /// What a path leads to: as the JSON Schema says, and where that leaves it open, in one of the first messages.
+    pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
+        let described = resolve(self.root(), path)?.node;
+        if described.kind() == FieldKind::Number {
+            return Ok(FieldKind::Number);
+        }
+        let messages = self.first_messages.of(self.channel_id)?;
+        let found = (messages.iter()).filter_map(|message| Some(walk(message, path).ok()?.node));
+        match found.max_by_key(|value| !value.is_null()) {
+            Some(value) => Ok(value.kind()),
+            None if described.schema.is_some() => Ok(FieldKind::Unknown),
+            None => Err(SchemaError::NoSuchField {
+                lacking: vec![path.clone()],
+                place: Listing::FirstMessages,
+                available: (messages.iter().filter_map(Value::as_object))
+                    .max_by_key(|fields| fields.len())
+                    .map_or_else(Vec::new, names),
+            }),
+        }
+    }
+
+    /// A decoder that puts the n-th wanted field into slot n.
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<JsonDecoder, SchemaError> {
+        let leaf = |_: &_, shape: &_, slot| Some(JsonLeaf::new(shape, slot));
+        Ok(JsonDecoder::new(tree(&self.root(), wanted, leaf)?))
+    }
+
+    fn root(&self) -> JsonSchemaNode<'_> {
+        JsonSchemaNode {
+            schema: Some(&self.schema),
+            whole: &self.schema,
+        }
+    }
+}
+
+/// What a JSON Schema says of a place.
+#[derive(Debug, Clone, Copy)]
+struct JsonSchemaNode<'a> {
+    /// The schema of the place; `None` where the whole schema does not list it, so that anything may be there.
+    schema: Option<&'a Value>,
+    whole: &'a Value,
+}
+
+impl Node for JsonSchemaNode<'_> {
+    type Name = String;
+
+    fn kind(&self) -> FieldKind {
+        let named = self.schema.and_then(|schema| schema["type"].as_str());
+        match named {
+            Some("number" | "integer" | "boolean") => FieldKind::Number,
+            // Text may be a number too, so a message has to show it.
+            _ => FieldKind::Unknown,
+        }
+    }
+
+    /// Those of the whole message, wherever in it the place is.
+    fn fields(&self) -> Option<(Listing, Vec<String>)> {
+        Some((Listing::JsonSchema, names(properties(self.whole)?)))
+    }
+
+    fn field(&self, name: &str) -> Option<(String, Self)> {
+        let schema = match self.schema.and_then(properties) {
+            None => None,
+            Some(properties) => match properties.get(name) {
+                Some(schema) => Some(schema),
+                // A schema that refers elsewhere may name more fields than these.
+                None if properties.values().any(|field| field.get("$ref").is_some()) => None,
+                None => return None,
+            },
+        };
+        Some((name.to_owned(), Self { schema, ..*self }))
+    }
+
+    fn element(&self, _: usize) -> Option<Self> {
+        let schema = self.schema.and_then(|schema| schema.get("items"));
+        Some(Self { schema, ..*self })
+    }
+
+    fn length(&self) -> Option<usize> {
+        None
+    }
+}
+
+/// A value of a message.
+impl Node for &Value {
+    type Name = ();
+
+    fn kind(&self) -> FieldKind {
+        match self {
+            Value::Null => FieldKind::Unknown,
+            Value::Bool(_) | Value::Number(_) => FieldKind::Number,
+            Value::String(text) if number_in(text).is_some() => FieldKind::Number,
+            Value::String(_) => FieldKind::Text,
+            Value::Array(_) => FieldKind::List,
+            Value::Object(fields) => FieldKind::Message(names(fields)),
+        }
+    }
+
+    fn fields(&self) -> Option<(Listing, Vec<String>)> {
+        let fields = self.as_object()?;
+        Some((Listing::FirstMessages, names(fields)))
+    }
+
+    fn field(&self, name: &str) -> Option<((), Self)> {
+        Some(((), self.get(name)?))
+    }
+
+    fn element(&self, index: usize) -> Option<Self> {
+        self.get(index)
+    }
+
+    fn length(&self) -> Option<usize> {
+        self.as_array().map(Vec::len)
+    }
+}
+
+/// The fields that a schema lists, if it lists any.
+fn properties(schema: &Value) -> Option<&Map<String, Value>> {
+    let properties = schema.get("properties")?.as_object()?;
+    (!properties.is_empty()).then_some(properties)
+}
+
+fn names(fields: &Map<String, Value>) -> Vec<String> {
+    fields.keys().cloned().collect()
+}
