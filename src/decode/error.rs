@@ -80,11 +80,15 @@ pub enum SchemaError {
 pub enum RosDefinitionError {
     #[error("line {line}, `{text}`, names no field")]
     NoField { line: usize, text: String },
-    #[error("{problem}")]
-    Unparsed { problem: String },
+    #[error("line {line}: `{type_name}` is not a type")]
+    NotAType { line: usize, type_name: String },
+    #[error("line {line}: `{type_name}` has no valid array size")]
+    ArraySize { line: usize, type_name: String },
     #[error("it does not define `{name}`")]
     Undefined { name: String },
-    #[error("`{name}` contains itself, or messages within each other more than {limit} deep")]
+    #[error("`{name}` contains itself")]
+    Recursive { name: String },
+    #[error("`{name}` is one of more than {limit} messages within each other")]
     TooDeep { name: String, limit: usize },
 }
 

@@ -5,12 +5,16 @@
 //! read straight from its bytes, without building it, and only as far as the last wanted field. A message that breaks
 //! off after that field is read like a whole one.
 //!
+//! text → [`definition`] → [`linker`] → [`message`] types, whose values' sizes are in [`layout`] → [`program`], which
+//! runs over the bytes in [`wire`].
+//!
 //! Definitions: <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html> and
 //! <https://wiki.ros.org/msg>; how MCAP joins several into one text:
 //! <https://mcap.dev/spec/registry#ros2msg>.
 
 mod definition;
 mod layout;
+mod linker;
 mod message;
 mod program;
 mod wire;
@@ -48,7 +52,8 @@ pub struct RosDecoder {
 impl RosSchema {
     /// Of a type's name, `pkg/Type` or `pkg/msg/Type`, and its definition.
     pub fn new(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Self, SchemaError> {
-        let message = definition::parse(dialect, name, definition)?;
+        let text = String::from_utf8_lossy(definition);
+        let message = linker::link(dialect, name, &text)?;
         Ok(Self { dialect, message })
     }
 

@@ -252,6 +252,23 @@ fn awkward(text: &str, [a, b]: [&str; 2]) {
     }
 }
 
+/// A definition of messages within each other: that many within the outermost.
+fn nested(levels: usize) -> String {
+    let mut text = "M1 m".to_owned();
+    for level in 1..levels {
+        text += &format!("\n===\nMSG: p/M{level}\nM{} m", level + 1);
+    }
+    text + &format!("\n===\nMSG: p/M{levels}\nuint8 a")
+}
+
+#[test]
+fn messages_may_be_64_deep() {
+    let path = (1..64).map(|_| "m.").collect::<String>() + "a";
+    let message = little_endian(&[7]);
+    let found = find_one(Wire::LittleEndian, &nested(63), &message, &path);
+    assert_eq!(found, Ok(7.0));
+}
+
 #[test]
 fn a_definition_that_cannot_be_used_says_why() {
     for (text, essential) in [
@@ -263,10 +280,16 @@ fn a_definition_that_cannot_be_used_says_why() {
         ("string <=10 s", "line 1"),
         ("uint8[-1] a", "array size"),
         ("uint8[][] a", "array size"),
+        ("uint8 a\nstring<=x b", "line 2: `string<=x` is not a type"),
+        ("/B b", "line 1: `/B` is not a type"),
         ("q/B b", "it does not define `q/B`"),
         ("A a", "`p/A` contains itself"),
         ("B[0] b\n===\nMSG: p/B\nB[] b", "`p/B` contains itself"),
         ("module p { module msg {", "it does not define `p/module`"),
+        (
+            &nested(64),
+            "`p/M64` is one of more than 64 messages within each other",
+        ),
     ] {
         let log = log_of(Wire::LittleEndian, text, &[little_endian(&[0; 8])]);
         let error = find(log, ["a"; 3]).expect_err(text);
