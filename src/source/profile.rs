@@ -407,17 +407,8 @@ pub enum ProfileChoice {
     Given(Box<Profile>),
 }
 
-/// The built-in profiles, in the order in which they are listed.
-const BUILT_IN: [&str; 8] = [
-    include_str!("../../profiles/px4-ulog.toml"),
-    include_str!("../../profiles/px4-ros2.toml"),
-    include_str!("../../profiles/mavros.toml"),
-    include_str!("../../profiles/ardupilot-ros2.toml"),
-    include_str!("../../profiles/dji-osdk.toml"),
-    include_str!("../../profiles/nav-msgs.toml"),
-    include_str!("../../profiles/flat.toml"),
-    include_str!("../../profiles/flat-deg.toml"),
-];
+/// The built-in profiles, in the order in which they are listed: that of the file names in `profiles/`.
+const BUILT_IN: &[&str] = include!(concat!(env!("OUT_DIR"), "/profiles.rs"));
 
 impl Profile {
     /// The built-in profiles.

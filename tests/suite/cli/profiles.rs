@@ -1,21 +1,24 @@
 //! `flightcam profiles`: what it lists, and that what it prints is a profile.
 
-use std::{collections::BTreeSet, fs};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::PathBuf,
+};
 
 use flightcam::source::profile::Profile;
 
 use crate::support::{folder::*, repository};
 
-/// The names of the files from which the built-in profiles come.
-fn files() -> BTreeSet<String> {
+/// The files from which the built-in profiles come, by the profile's name: `10-px4-ulog.toml` is `px4-ulog`.
+fn files() -> BTreeMap<String, PathBuf> {
     let files = fs::read_dir(repository("profiles")).expect("the folder");
     files
         .map(|file| file.expect("a file").path())
         .map(|path| {
-            path.file_stem()
-                .expect("a name")
-                .to_string_lossy()
-                .into_owned()
+            let stem = path.file_stem().expect("a name").to_string_lossy();
+            let (_order, name) = stem.split_once('-').expect("a number before the name");
+            (name.to_owned(), path.clone())
         })
         .collect()
 }
@@ -38,14 +41,14 @@ fn every_profile_is_listed_on_a_line_with_what_it_is_for() {
         assert_eq!(by_name_only, name == "flat-deg", "{line}");
         listed.insert(name.to_owned());
     }
-    assert_eq!(listed, files());
+    assert_eq!(listed, files().into_keys().collect());
 }
 
 #[test]
 fn a_profile_is_printed_as_it_is_with_the_sources_of_its_conventions() {
     for profile in Profile::built_in() {
         let toml = printed(&profile.name);
-        let file = repository(&format!("profiles/{}.toml", profile.name));
+        let file = &files()[&profile.name];
         assert_eq!(toml, fs::read_to_string(file).expect("the file"));
         assert_eq!(Profile::parse(&toml).expect("a profile"), profile);
         let is_of_its_own = profile.name.starts_with("flat");
@@ -71,7 +74,7 @@ fn what_is_printed_works_as_a_profile_of_ones_own() {
     }
     assert_eq!(own, built_in);
 
-    for name in files() {
+    for name in files().into_keys() {
         folder.add("px4.toml", printed(&name));
         let fits = name.starts_with("flat");
         let (_, err) = folder.run(
@@ -84,7 +87,12 @@ fn what_is_printed_works_as_a_profile_of_ones_own() {
 
 #[test]
 fn an_unknown_profile_is_refused_with_those_that_there_are() {
-    let message = "unknown profile `px4`: the built-in profiles are \
-                   px4-ulog, px4-ros2, mavros, ardupilot-ros2, dji-osdk, nav-msgs, flat, flat-deg";
-    Folder::new().refuses("profiles px4", 2, message);
+    let names: Vec<String> = (Profile::built_in().into_iter())
+        .map(|profile| profile.name)
+        .collect();
+    let message = format!(
+        "unknown profile `px4`: the built-in profiles are {}",
+        names.join(", ")
+    );
+    Folder::new().refuses("profiles px4", 2, &message);
 }
