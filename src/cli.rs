@@ -1,8 +1,10 @@
 //! The command line: one file a subcommand, each with its arguments and what it prints.
 
 mod camera;
+mod completions;
 mod enrich;
 mod inspect;
+mod manual;
 mod pipe;
 mod profiles;
 mod progress;
@@ -19,12 +21,19 @@ use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
 use flightcam::Error;
 use indicatif::HumanCount;
 
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  failed; the log is unchanged
+  2  wrong arguments
+  3  done, but part of the log could not be read";
+
 /// Adds the camera's motion to drone flight logs in MCAP
 ///
 /// flightcam reads a log, works out from the drone's attitude and velocity where the camera was looking and
 /// how it moved, and adds that to the log as new channels.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 100)]
+#[command(version, max_term_width = 100, after_long_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -36,9 +45,11 @@ enum Command {
     Inspect(inspect::Arguments),
     Restore(restore::Arguments),
     Profiles(profiles::Arguments),
+    Completions(completions::Arguments),
+    Manual(manual::Arguments),
 }
 
-/// What scripts learn from an exit; the README lists the codes.
+/// What scripts learn from an exit, as [`EXIT_CODES`] says.
 enum Exit {
     Done,
     Failed,
@@ -67,6 +78,8 @@ pub fn run() -> ExitCode {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Restore(arguments) => restore::run(&arguments),
         Command::Profiles(arguments) => profiles::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Manual(arguments) => manual::run(&arguments),
     };
     result
         .unwrap_or_else(|error| {

@@ -11,6 +11,7 @@ mod restore;
 
 mod cli {
     mod camera_and_telemetry;
+    mod completions_and_manual;
     mod enrich;
     mod inspect;
     mod profiles;

@@ -2,6 +2,7 @@
 
 pub mod flights;
 pub mod folder;
+pub mod help;
 pub mod inspection;
 pub mod layout;
 pub mod logbook;
