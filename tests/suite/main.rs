@@ -3,6 +3,7 @@
 mod support;
 
 mod camera;
+mod documentation;
 mod geometry;
 mod profiles;
 mod readers;

@@ -6,6 +6,7 @@ pub mod help;
 pub mod inspection;
 pub mod layout;
 pub mod logbook;
+pub mod markdown;
 pub mod message;
 pub mod numbered;
 pub mod piping;
