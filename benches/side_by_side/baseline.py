@@ -1,9 +1,9 @@
-"""The Python way: writes a log again with the camera's motion, with the official libraries and numpy.
+"""The same job in Python: rewrites a log with the camera's motion, using the official libraries and numpy.
 
     baseline.py INPUT OUTPUT DEPRESSION
 
-Needs on PYTHONPATH what protoc makes of flightcam's proto/. Attachments and metadata, which the benchmark's logs
-do not have, are left out.
+PYTHONPATH must have what protoc generates from flightcam's proto/. Attachments and metadata are not copied: the
+benchmark's logs have none.
 """
 
 import sys
@@ -20,11 +20,11 @@ from mcap_protobuf.schema import register_schema
 
 STATE = "/drone/state"
 FIELDS = ["roll", "pitch", "yaw", "vx", "vy", "vz"]
-BLOCK = 4096  # samples: numpy is slow on single ones, and those of a long flight do not fit into memory
+BLOCK = 4096  # samples: numpy is slow on single ones, and all those of a long flight do not fit into memory
 
 
 def camera_axes(pitch, yaw, depression):
-    """R_ned_camera: the nose projected on the ground and tilted down, the image's right, the image's down."""
+    """R_ned_camera: the nose projected onto the ground and tilted down, the image's right, the image's down."""
     north, east = np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw)
     ground = np.hypot(north, east)
     ahead = np.stack([north, east, ground * np.tan(depression)], axis=-1)
@@ -41,7 +41,7 @@ def roll_pitch_yaw(r):
 
 
 class Derived:
-    """Collects samples, and writes what follows from them a block at a time."""
+    """Collects samples, and writes what is derived from them a block at a time."""
 
     def __init__(self, writer, depression):
         self.writer, self.depression = writer, depression
@@ -85,7 +85,7 @@ class Derived:
         message = RelativeRpy(
             timestamp=timestamp, frame_id="previous_camera", interval=interval, roll=roll, pitch=pitch, yaw=yaw
         )
-        # One behind the velocities, because the first sample has no rotation.
+        # One less than the velocity's: the first sample has no rotation.
         self.write(self.rpy_channel, times, message, self.sequence - 1)
 
     def write_velocity(self, times, x, y, z):
@@ -104,7 +104,7 @@ def main(source, target, depression):
         writer.start()
         derived = Derived(writer, np.radians(float(depression)))
         schemas, channels, decode = {}, {}, None
-        # In the order of time, as the job needs it: the chunks of a log may overlap.
+        # In time order, which the job needs: the chunks of a log may overlap.
         for schema, channel, message in make_reader(log).iter_messages():
             if channel.id not in channels:
                 if schema.id not in schemas:

@@ -1,14 +1,14 @@
-"""Judges what the contestants made of a log.
+"""Checks what the contestants wrote.
 
     check.py LOG
 
-Reads lines "EXPECTED FILE" from standard input, and answers each with one: "yes", or what is wrong with the file.
-What may be EXPECTED:
+Reads lines "EXPECTED FILE" from standard input and answers each with a line: "yes", or what is wrong with the file.
+EXPECTED is one of:
 
     copy        the log's bytes
     messages    every message of the log unchanged, each topic's in the log's order; statistics that agree with a
                 recount, CRCs and indexes in order
-    reference   that; with its derived messages those of later files are compared
+    reference   that; its derived messages are what those of later files are compared with
     derived     that, and the reference's derived messages: the same types and times, the numbers to 1e-9
     appended    that, and the log's bytes up to its DataEnd record at the start
 """
@@ -26,7 +26,7 @@ import numpy as np
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
-# Reads a file with the official library, and checks what that leaves unchecked.
+# Reads a file with the official library, and checks what the library does not.
 READER = Path(__file__).parents[2] / "tests/readers/read.py"
 DERIVED = {"/camera/relative_rpy": ["roll", "pitch", "yaw"], "/camera/velocity": ["x", "y", "z"]}
 TOLERANCE = 1e-9
@@ -39,7 +39,7 @@ def check(ok, message):
 
 
 def digests(path):
-    """Of each topic's messages: a hash of their times, sequence numbers and payloads in the order of the file."""
+    """For each topic, a hash of its messages' times, sequence numbers and payloads in file order."""
     topics = {}
     with subprocess.Popen([sys.executable, READER, path, "stream"], stdout=subprocess.PIPE) as reader:
         for line in reader.stdout:
@@ -54,7 +54,7 @@ def digests(path):
 
 
 class Derived:
-    """The derived messages of a file, in the order of time."""
+    """The derived messages of a file, in time order."""
 
     def __init__(self, path):
         self.kinds = set()
@@ -73,13 +73,13 @@ class Derived:
     def compare(self, other):
         check(self.kinds == other.kinds, f"derived messages of other types or frames: {self.kinds}")
         for topic in DERIVED:
-            check(self.times[topic] == other.times[topic], f"{topic}: other times than the Python way's")
+            check(self.times[topic] == other.times[topic], f"{topic}: times differ from Python's")
             difference = np.abs(np.subtract(self.numbers[topic], other.numbers[topic]))
-            check((difference <= TOLERANCE).all(), f"{topic}: {difference.max()} off the Python way's")
+            check((difference <= TOLERANCE).all(), f"{topic}: {difference.max()} off Python's")
 
 
 def data_end(path):
-    """Where the DataEnd record is, which the summary follows."""
+    """The offset of the DataEnd record, which the summary follows."""
     with open(path, "rb") as f:
         f.seek(-(FOOTER_LENGTH + MAGIC_LENGTH), 2)
         return unpack("<BQQ", f.read(17))[2] - DATA_END_LENGTH
@@ -105,8 +105,8 @@ class Judge:
             return
         topics = digests(output)
         for topic, digest in self.digests.items():
-            check(topics.pop(topic, None) == digest, f"the messages of {topic} are not the log's")
-        check(set(topics) <= set(DERIVED), f"topics that do not belong there: {', '.join(topics)}")
+            check(topics.pop(topic, None) == digest, f"the messages of {topic} are not those of the log")
+        check(set(topics) <= set(DERIVED), f"unexpected topics: {', '.join(topics)}")
         if expected == "reference":
             self.reference = Derived(output)
         if expected in ("derived", "appended"):

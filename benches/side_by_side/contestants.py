@@ -14,12 +14,12 @@ BLOCK = 1 << 24
 @dataclass
 class Contestant:
     name: str
-    command: list  # with {input} and {output}; without {input} it changes a copy of the log, which is the output
-    expected: str  # what check.py is to expect of the output
+    command: list  # has {input} and {output}; without {input} it changes {output}, which is a copy of the log
+    expected: str  # what check.py expects of the output
     piped: bool = False
 
     def run(self, log, output):
-        """With the log in the page cache and the disk idle. Returns the measurement, leaves the output."""
+        """Runs with the log in the page cache and the disk idle. Returns the measurement and leaves the output."""
         output.unlink(missing_ok=True)
         if "{input}" not in self.command and not self.piped:
             shutil.copyfile(log, output)
@@ -34,13 +34,13 @@ class Contestant:
         return [str(part).format(input=log, output=output) for part in self.command]
 
     def is_known(self, output):
-        """Whether this flightcam knows the mode: exit code 2 says no. The log is empty, so it does nothing else."""
+        """Whether this flightcam has the mode: exit code 2 means no. The log is empty, so nothing else happens."""
         quiet = {stream: subprocess.DEVNULL for stream in ("stdin", "stdout", "stderr")}
         return subprocess.run(self.fill("/dev/null", output), **quiet).returncode != 2
 
 
 def choose_contestants(tools, also):
-    """In the order of the table: what the others are compared with comes first."""
+    """In the order of the table: first, what the others are compared with."""
     enrich = [tools.flightcam, "enrich", "--quiet", "--depression", DEPRESSION]
     python = [*tools.baseline, "{input}", "{output}", DEPRESSION]
     return [

@@ -1,4 +1,4 @@
-"""What a command takes: time, processor, memory."""
+"""What a command takes: time, CPU, memory."""
 
 import ctypes
 import os
@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass
 
 # A process's peak memory is never less than its parent's at the fork, and Python is large. So a small shell forks
-# the command, which waits for a line while the shell leaves, and comes to this process as an orphan.
+# the command, which waits for a line until the shell has exited and this process has adopted it.
 SHELL = 'exec 3<&0; { read -r _ <&3; exec "$@" 3<&-; } <"$FROM" >"$TO" & echo $!'
 PR_SET_CHILD_SUBREAPER = 36
 
@@ -22,13 +22,13 @@ class Measurement:
 
 
 def adopt_orphans():
-    """To be called once, before anything is measured."""
+    """Call this once, before anything is measured."""
     if ctypes.CDLL(None, use_errno=True).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0):
         raise OSError(ctypes.get_errno(), "prctl")
 
 
 def measure(command, output, stdin=os.devnull, stdout=os.devnull):
-    """Runs a command until its output is on the disk, whether or not the command itself sees to that."""
+    """Runs a command until its output is on the disk, whether or not the command syncs it."""
     environment = {**os.environ, "FROM": str(stdin), "TO": str(stdout)}
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen(["sh", "-c", SHELL, "sh", *command], env=environment, text=True, **pipes) as shell:

@@ -1,4 +1,4 @@
-"""What is needed to compete: the programs, built and installed, and the machine that they run on."""
+"""Builds and installs the programs to compare, and describes the machine."""
 
 import json
 import os
