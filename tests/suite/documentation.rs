@@ -343,6 +343,7 @@ fn values_there_are(path: &str) -> Vec<String> {
         *value = Value::String("?".to_owned());
         let text = toml::to_string(&table).expect("TOML");
         let problem = Profile::parse(&text).expect_err("a value that there is not");
+        let problem = problem.to_string();
         let (_, expected) = problem.split_once("expected ").expect("what is expected");
         let expected = expected.split(", in ").next().expect("a list");
         return codes(expected).into_iter().map(str::to_owned).collect();
