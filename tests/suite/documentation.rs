@@ -7,13 +7,13 @@ use std::{
     process::Command,
 };
 
-use assert_cmd::cargo::cargo_bin;
 use crate::support::{
     folder::*,
     help::{self, Described},
     markdown::{Row, anchor, blocks, codes, pages, read, rows},
     repository,
 };
+use assert_cmd::cargo::cargo_bin;
 use flightcam::source::profile::Profile;
 use toml::{Table, Value};
 
