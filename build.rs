@@ -9,7 +9,7 @@ use std::{
 };
 
 const PROTO: &str = "proto";
-const MESSAGES: [&str; 3] = ["camera_velocity", "original_tail", "relative_rpy"];
+const PACKAGE: &str = "flightcam/v1";
 const PROFILES: &str = "profiles";
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -24,35 +24,41 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Compiles each message to a Rust type, and to a descriptor set that is its schema. `protox` is a compiler written
 /// in Rust, so that building needs no `protoc`.
 fn compile_messages(out: &Path) -> Result<(), Box<dyn Error>> {
-    let path = |message: &str| format!("flightcam/v1/{message}.proto");
-    for message in MESSAGES {
+    let package = Path::new(PROTO).join(PACKAGE);
+    let mut paths = Vec::new();
+    for file in files(&package, "proto")? {
+        let path = file.strip_prefix(PROTO)?.to_owned();
         let mut compiler = protox::Compiler::new([PROTO])?;
         // With its imports, so that a reader can resolve the schema by itself.
-        compiler.include_imports(true).open_file(path(message))?;
+        compiler.include_imports(true).open_file(&path)?;
+        let name = file.file_stem().unwrap_or_default();
         fs::write(
-            out.join(message).with_extension("bin"),
+            out.join(name).with_extension("bin"),
             compiler.encode_file_descriptor_set(),
         )?;
+        paths.push(path);
     }
-    prost_build::compile_fds(protox::compile(MESSAGES.map(path), [PROTO])?)?;
+    prost_build::compile_fds(protox::compile(paths, [PROTO])?)?;
     Ok(())
 }
 
 /// Writes a Rust slice of the profiles' texts. Their file names begin with a number, which gives their order.
 fn list_profiles(out: &Path) -> io::Result<()> {
     let folder = env::current_dir()?.join(PROFILES);
-    let files: io::Result<Vec<PathBuf>> = fs::read_dir(folder)?
-        .map(|entry| Ok(entry?.path()))
-        .collect();
-    let mut files = files?;
-    files.retain(|file| {
-        file.extension()
-            .is_some_and(|extension| extension == "toml")
-    });
-    files.sort();
-    let texts: Vec<String> = files
+    let texts: Vec<String> = files(&folder, "toml")?
         .iter()
         .map(|file| format!("include_str!({file:?})"))
         .collect();
     fs::write(out.join("profiles.rs"), format!("&[{}]", texts.join(", ")))
+}
+
+/// The files of a folder that have an extension, sorted by name.
+fn files(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        files.push(entry?.path());
+    }
+    files.retain(|file| file.extension().is_some_and(|known| known == extension));
+    files.sort();
+    Ok(files)
 }

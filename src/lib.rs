@@ -29,7 +29,7 @@
 //! | [`decode`] | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log |
 //! | [`source`] | how a log says it: profiles, and their fields bound to the log's channels | decode, log, sample, geometry |
 //! | [`reader`] | log + source → samples in time order | log, source, sample |
-//! | [`messages`] | how derived values are said in protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
+//! | [`messages`] | how derived values are written: one file for each message type, with its protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
 //! | [`writer`] | derived values → channels added to a log; the original that an enriched log carries; destinations | log, derived, messages |
 //! | [`mod@enrich`] | the pipeline: reading, deriving and writing at the same time | all of the above |
 //! | [`mod@restore`] | an enriched log → the original | log, writer |
@@ -41,9 +41,9 @@
 //!
 //! Reader and writer never know each other, and only the command line, in the binary, prints.
 //!
-//! Where a change goes: a new autopilot is a file in `profiles/`; a new encoding is a decoder in [`source`] and,
-//! if it is to be written too, a module of [`messages`]; a new derived quantity starts in [`derived`], `proto/`
-//! and `schemas/`, and the compiler leads on from there.
+//! Where a change goes: a new autopilot is a file in `profiles/`; a new encoding is a decoder in [`decode`] and,
+//! if it is to be written too, an [`Encoding`](messages::Encoding); a new derived channel is an arm in [`derived`]
+//! and a file in [`messages`], with its definitions in `proto/` and `schemas/`. The compiler leads on from there.
 //!
 //! # Units and frames
 //!

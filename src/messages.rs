@@ -1,37 +1,43 @@
-//! The messages that the program writes: how it says each derived quantity, in each encoding.
+//! The messages that the program writes: one file for each message type, which says how it is written in each
+//! encoding.
 //!
-//! In protobuf and JSON they are types of the program's own, from `proto/` and `schemas/`, with the same
-//! fields. ROS 2 has `geometry_msgs/msg/Vector3Stamped`, which every ROS 2 tool knows. The numbers are the same
-//! in all of them, to the last bit.
+//! In protobuf and JSON they are types of the program's own, from `proto/` and `schemas/`, with the same fields.
+//! In ROS 2 they are standard types, which every ROS 2 tool knows. The numbers are the same in all encodings, to
+//! the last bit.
 
 /// Version 1 of the program's own types, generated from `proto/`.
 pub mod v1 {
     include!(concat!(env!("OUT_DIR"), "/flightcam.v1.rs"));
 }
 
+mod camera_velocity;
+mod relative_rpy;
+
+mod cdr;
 mod json;
+mod number;
 mod protobuf;
 mod ros2;
+mod time;
+mod vector3_stamped;
 
 use std::collections::BTreeMap;
 
 use mcap::records::Channel;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::derived::{Derived, Quantity, Value};
 pub use ros2::LAST_SECOND;
 
-/// In which of the languages that MCAP knows derived values are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
+/// How derived values are encoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Encoding {
     /// Protobuf messages of `proto/`.
     Protobuf,
     /// JSON with the fields of the protobuf messages; times and durations are `sec` and `nsec`, as in
     /// Foxglove's own JSON schemas.
     Json,
-    /// `geometry_msgs/msg/Vector3Stamped` in CDR. It has no place for the interval of a relative rotation; roll,
-    /// pitch and yaw are its x, y and z.
+    /// Standard ROS 2 messages in CDR.
     Ros2,
 }
 
@@ -41,19 +47,30 @@ pub enum EncodingChoice {
     /// That of the telemetry, if messages can be written in it, else protobuf.
     #[default]
     Automatic,
-    /// This one, whatever the log is written in.
+    /// This one, whatever the log's encoding is.
     Given(Encoding),
 }
 
-/// A message type, as a schema record says it.
+/// A message type in one encoding, as a schema record defines it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Schema {
+pub struct MessageDefinition {
     /// The type's full name.
     pub name: &'static str,
-    /// In which language the type is defined.
+    /// The language of the definition.
     pub encoding: &'static str,
     /// The definition, with all that it refers to.
     pub data: &'static [u8],
+    /// The field that shows most at a glance, as viewers write its path.
+    pub field_to_plot: &'static str,
+}
+
+/// What every message has, whatever its type.
+#[derive(Debug, Clone, Copy)]
+struct Header {
+    /// Nanoseconds of log time.
+    time: u64,
+    /// The frame that the components are expressed in.
+    frame_id: &'static str,
 }
 
 /// How the derived channels of one log are written.
@@ -61,7 +78,7 @@ pub struct Schema {
 pub struct Format {
     /// The encoding of all of them.
     pub encoding: Encoding,
-    /// What each of their channel records says besides.
+    /// The metadata of each of their channel records.
     pub channel_metadata: BTreeMap<String, String>,
 }
 
@@ -69,7 +86,7 @@ impl Encoding {
     /// All of them.
     pub const ALL: [Encoding; 3] = [Encoding::Protobuf, Encoding::Json, Encoding::Ros2];
 
-    /// What the user calls it.
+    /// As options and reports name it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Protobuf => "protobuf",
@@ -78,7 +95,7 @@ impl Encoding {
         }
     }
 
-    /// What a channel record calls it.
+    /// As a channel record names it.
     pub fn message_encoding(self) -> &'static str {
         match self {
             Self::Protobuf => "protobuf",
@@ -88,21 +105,33 @@ impl Encoding {
     }
 
     /// The message type that a quantity is written as.
-    pub fn schema(self, quantity: Quantity) -> Schema {
-        match self {
-            Self::Protobuf => protobuf::schema(quantity),
-            Self::Json => json::schema(quantity),
-            Self::Ros2 => ros2::SCHEMA,
+    pub fn schema(self, quantity: Quantity) -> MessageDefinition {
+        match quantity {
+            Quantity::RelativeRpy => relative_rpy::definition(self),
+            Quantity::CameraVelocity => camera_velocity::definition(self),
         }
     }
 
     /// Appends the message of a derived value to `out`.
     pub fn encode(self, derived: &Derived, out: &mut Vec<u8>) {
-        match self {
-            Self::Protobuf => protobuf::encode(derived, out),
-            Self::Json => json::encode(derived, out),
-            Self::Ros2 => ros2::encode(derived, out),
+        let header = Header {
+            time: derived.stamp.log_time,
+            frame_id: derived.quantity().frame_id(),
+        };
+        match derived.value {
+            Value::RelativeRpy { interval, rpy } => {
+                relative_rpy::encode(self, header, interval, rpy, out);
+            }
+            Value::CameraVelocity(velocity) => {
+                camera_velocity::encode(self, header, velocity, out);
+            }
         }
+    }
+}
+
+impl Serialize for Encoding {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
     }
 }
 
@@ -124,20 +153,4 @@ impl Format {
             },
         }
     }
-}
-
-/// The components of a value. A zero among them has no sign, because in protobuf it has none.
-fn components(value: &Value) -> [f64; 3] {
-    let components = match *value {
-        Value::RelativeRpy { rpy, .. } => [rpy.roll, rpy.pitch, rpy.yaw],
-        Value::CameraVelocity(velocity) => velocity.into(),
-    };
-    // This changes a negative zero and nothing else.
-    components.map(|component| component + 0.0)
-}
-
-/// Whole seconds and the nanoseconds beyond them.
-fn split_seconds(nanoseconds: u64) -> (u64, u32) {
-    const SECOND: u64 = 1_000_000_000;
-    (nanoseconds / SECOND, (nanoseconds % SECOND) as u32)
 }

@@ -10,7 +10,7 @@ use crate::{
     derived::{Derived, Quantity},
     error::Error,
     log::{Log, record::serialize},
-    messages::{Format, Schema},
+    messages::{Format, MessageDefinition},
 };
 
 /// Turns derived values into messages on channels that the log had not.
@@ -112,7 +112,7 @@ impl<'a> NewChannels<'a> {
     /// schema, else a free one.
     fn schema(
         &mut self,
-        schema: &Schema,
+        schema: &MessageDefinition,
         batch: &mut Batch,
         added: &mut Added,
     ) -> Result<u16, Error> {
@@ -144,7 +144,7 @@ impl<'a> NewChannels<'a> {
     }
 }
 
-fn schema_body(id: u16, schema: &Schema) -> Vec<u8> {
+fn schema_body(id: u16, schema: &MessageDefinition) -> Vec<u8> {
     let mut body = serialize(&SchemaHeader {
         id,
         name: schema.name.to_owned(),

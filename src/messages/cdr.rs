@@ -1,0 +1,33 @@
+//! Plain CDR, little-endian: how ROS 2 messages are serialised.
+
+/// Writes one message.
+pub struct Cdr<'a> {
+    out: &'a mut Vec<u8>,
+    /// Where the content begins. Alignment counts from there.
+    origin: usize,
+}
+
+impl<'a> Cdr<'a> {
+    pub fn begin(out: &'a mut Vec<u8>) -> Self {
+        /// The representation, CDR_LE, and its options, of which there are none.
+        const HEADER: [u8; 4] = [0, 1, 0, 0];
+        out.extend(HEADER);
+        let origin = out.len();
+        Self { out, origin }
+    }
+
+    /// A number, aligned to its size.
+    pub fn put<const SIZE: usize>(&mut self, number: [u8; SIZE]) {
+        let length = self.out.len() - self.origin;
+        let aligned = self.origin + length.next_multiple_of(SIZE);
+        self.out.resize(aligned, 0);
+        self.out.extend(number);
+    }
+
+    /// A string: its length, which includes a terminating 0, and its bytes.
+    pub fn put_string(&mut self, text: &str) {
+        self.put((text.len() as u32 + 1).to_le_bytes());
+        self.out.extend(text.as_bytes());
+        self.out.push(0);
+    }
+}
