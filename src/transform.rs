@@ -4,17 +4,18 @@
 //! come out in time order, at equal times the relative rotation before the velocity.
 //!
 //! The drone's attitude and, if the camera follows it, the gimbal's orientation are interpolated, so an attitude
-//! or a velocity is held back until a gimbal angle and an attitude at its time or behind it have come. Samples
-//! are settled in their order: behind one that waits, all wait. What is held back is bounded by [`MaxGap`]
+//! or a velocity is held back until a gimbal angle and an attitude at its time or later have come. Samples are
+//! settled in their order: while one waits, all later ones wait. What is held back is bounded by [`MaxGap`]
 //! nevertheless: one waits only while the sample that it waits for can still come within the maximum gap of the
-//! one before it, for across a longer gap nothing is interpolated. After that nothing can come of it, whether
-//! the gap ends or not, and it is dropped at once; only the reason is left open, in a count.
+//! one before it, because across a longer gap nothing is interpolated. After that nothing can be derived from it,
+//! whether the gap ends or not, and it is dropped at once; only the reason is left open, in a count.
 
+mod orientation;
 mod track;
 
 use std::collections::{BTreeMap, VecDeque};
 
-use nalgebra::{Rotation3, UnitQuaternion};
+use nalgebra::Rotation3;
 use serde::Serialize;
 
 use crate::{
@@ -22,11 +23,12 @@ use crate::{
     derived::{Derived, Value},
     geometry::{relative_rpy, velocity_in_camera},
     sample::{
-        AttitudeSample, DropReason, GimbalReference, GimbalSample, Kind, Sample, Stamp, Tallies,
-        Velocity, VelocitySample,
+        AttitudeSample, DropReason, GimbalSample, Kind, Sample, Stamp, Tallies, Velocity,
+        VelocitySample,
     },
 };
-use track::{Missing, Origin, Resets, Track};
+use orientation::{Attitude, Gimbal};
+use track::{Interpolate, Track, Unavailable};
 
 /// The longest time between two attitude samples, or two of the gimbal, that still belong together. Across a
 /// longer one there is no relative rotation and no interpolation.
@@ -90,31 +92,32 @@ pub struct Outcome {
 /// rotation or is counted here.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Breaks {
-    /// The previous sample for which the camera is known lies further back than the maximum gap.
+    /// The previous sample for which the camera is known is longer ago than the maximum gap.
     pub gaps: u64,
     /// The log's count of attitude resets changed: the estimator jumped, the camera did not.
     pub resets: u64,
 }
 
-/// A sample that something is derived from.
+/// A sample that something is derived from, and that is not settled yet.
 #[derive(Debug, Clone, Copy)]
-struct Held {
-    stamp: Stamp,
-    reading: Reading,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Reading {
-    /// Kept by the track of attitudes.
-    Attitude,
-    Velocity(Velocity),
+enum Held {
+    /// The track of attitudes has the rest of it.
+    Attitude(Stamp),
+    Velocity(VelocitySample),
 }
 
 impl Held {
+    fn stamp(&self) -> Stamp {
+        match self {
+            Self::Attitude(stamp) => *stamp,
+            Self::Velocity(sample) => sample.stamp,
+        }
+    }
+
     fn kind(&self) -> Kind {
-        match self.reading {
-            Reading::Attitude => Kind::Attitude,
-            Reading::Velocity(_) => Kind::Velocity,
+        match self {
+            Self::Attitude(_) => Kind::Attitude,
+            Self::Velocity(_) => Kind::Velocity,
         }
     }
 }
@@ -123,8 +126,7 @@ impl Held {
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     time: u64,
-    q_ned_drone: UnitQuaternion<f64>,
-    resets: Resets,
+    attitude: Attitude,
     r_ned_camera: Rotation3<f64>,
 }
 
@@ -133,8 +135,8 @@ struct Pose {
 pub struct Transform {
     camera: Camera,
     max_gap: MaxGap,
-    attitudes: Track<Resets>,
-    gimbal: Track<GimbalReference>,
+    attitudes: Track<Attitude>,
+    gimbal: Track<Gimbal>,
     last_velocity_time: Option<u64>,
     /// Attitudes and velocities that are not settled, in their order.
     held: VecDeque<Held>,
@@ -163,7 +165,7 @@ impl Transform {
 
     /// Takes the next sample and appends to `out` what can be derived now.
     ///
-    /// Samples of what nothing follows from for this camera are ignored and not counted: positions, and those
+    /// Samples that nothing is derived from for this camera are ignored and not counted: positions, and those
     /// of a gimbal that it does not follow.
     pub fn push(&mut self, sample: Sample, out: &mut Vec<Derived>) {
         let is_first_at_its_time = match sample {
@@ -179,32 +181,29 @@ impl Transform {
         }
     }
 
-    /// Ends the run: what still waits will not get what it waits for.
+    /// Ends the run: what still waits, waits in vain.
     pub fn finish(mut self) -> Outcome {
         // Nothing is derived here: all that is held waits itself or is later than one that does.
         self.settle(None, &mut Vec::new());
-        self.settle_out_of_reach(Kind::Attitude, Resets::OUTSIDE);
-        self.settle_out_of_reach(Kind::Gimbal, GimbalReference::OUTSIDE);
+        self.settle_out_of_reach(Kind::Attitude, Attitude::OUTSIDE);
+        self.settle_out_of_reach(Kind::Gimbal, Gimbal::OUTSIDE);
         self.outcome
     }
 
     fn push_gimbal(&mut self, sample: &GimbalSample) -> bool {
-        let time = sample.stamp.log_time;
-        let is_first = self.gimbal.push(time, sample.orientation, sample.reference);
+        let is_first = self.gimbal.push(sample.stamp.log_time, sample.into());
         if is_first {
             self.outcome.tallies[Kind::Gimbal].used += 1;
-            self.settle_out_of_reach(Kind::Gimbal, GimbalReference::IN_GAP);
+            self.settle_out_of_reach(Kind::Gimbal, Gimbal::IN_GAP);
         }
         is_first
     }
 
     fn push_attitude(&mut self, sample: &AttitudeSample) -> bool {
-        let resets = Resets(sample.reset_counter);
-        let time = sample.stamp.log_time;
-        let is_first = self.attitudes.push(time, sample.orientation, resets);
+        let is_first = (self.attitudes).push(sample.stamp.log_time, sample.into());
         if is_first {
-            self.settle_out_of_reach(Kind::Attitude, Resets::IN_GAP);
-            self.hold(sample.stamp, Reading::Attitude);
+            self.settle_out_of_reach(Kind::Attitude, Attitude::IN_GAP);
+            self.held.push_back(Held::Attitude(sample.stamp));
         }
         is_first
     }
@@ -213,64 +212,62 @@ impl Transform {
         let time = sample.stamp.log_time;
         let is_first = self.last_velocity_time.replace(time) != Some(time);
         if is_first {
-            self.hold(sample.stamp, Reading::Velocity(sample.velocity));
+            self.held.push_back(Held::Velocity(*sample));
         }
         is_first
-    }
-
-    fn hold(&mut self, stamp: Stamp, reading: Reading) {
-        self.held.push_back(Held { stamp, reading });
     }
 
     /// Settles what is held, up to the first sample that must wait. No sample will come before `soonest`, or
     /// none at all.
     fn settle(&mut self, soonest: Option<u64>, out: &mut Vec<Derived>) {
         while let Some(&sample) = self.held.front() {
-            match self.pose_at(sample.stamp.log_time, soonest) {
+            match self.pose_at(sample.stamp().log_time, soonest) {
                 Ok(pose) => self.derive(&sample, pose, out),
-                Err(Missing::For(reason)) => self.count_dropped(sample.kind(), reason, 1),
-                Err(Missing::OutOfReach(of)) => {
+                Err(Unavailable::For(reason)) => self.count_dropped(sample.kind(), reason, 1),
+                Err(Unavailable::OutOfReach(of)) => {
                     *self.out_of_reach.entry((of, sample.kind())).or_default() += 1;
                 }
-                Err(Missing::Yet) => break,
+                Err(Unavailable::Yet) => break,
             }
             self.held.pop_front();
         }
         let oldest = self.held.front();
-        let needed_from = oldest.map_or(u64::MAX, |sample| sample.stamp.log_time);
+        let needed_from = oldest.map_or(u64::MAX, |sample| sample.stamp().log_time);
         self.attitudes.forget_before(needed_from);
         self.gimbal.forget_before(needed_from);
     }
 
-    fn pose_at(&self, time: u64, soonest: Option<u64>) -> Result<Pose, Missing> {
-        let (q_ned_drone, resets) = self.attitudes.at(time, soonest)?;
-        let gimbal = || self.gimbal.at(time, soonest);
+    fn pose_at(&self, time: u64, soonest: Option<u64>) -> Result<Pose, Unavailable> {
+        let attitude = self.attitudes.at(time, soonest)?;
+        let gimbal = || {
+            let gimbal = self.gimbal.at(time, soonest)?;
+            Ok((gimbal.q_reference_camera, gimbal.reference))
+        };
         let r_ned_camera = self
             .camera
-            .orientation(&q_ned_drone, gimbal)?
-            .ok_or(Missing::For(DropReason::UndefinedHeading))?;
+            .orientation(&attitude.q_ned_drone, gimbal)?
+            .ok_or(Unavailable::For(DropReason::UndefinedHeading))?;
         Ok(Pose {
             time,
-            q_ned_drone,
-            resets,
+            attitude,
             r_ned_camera,
         })
     }
 
     fn derive(&mut self, sample: &Held, pose: Pose, out: &mut Vec<Derived>) {
         self.outcome.tallies[sample.kind()].used += 1;
-        let value = match sample.reading {
-            Reading::Attitude => self.turn_to(pose),
-            Reading::Velocity(velocity) => {
-                let velocity_ned = match velocity {
+        let value = match sample {
+            Held::Attitude(_) => self.turn_to(pose),
+            Held::Velocity(sample) => {
+                let velocity_ned = match sample.velocity {
                     Velocity::Ned(velocity) => velocity,
-                    Velocity::Frd(velocity) => pose.q_ned_drone * velocity,
+                    Velocity::Frd(velocity) => pose.attitude.q_ned_drone * velocity,
                 };
                 let velocity = velocity_in_camera(&pose.r_ned_camera, &velocity_ned);
                 Some(Value::CameraVelocity(velocity))
             }
         };
-        let stamp = sample.stamp;
+        let stamp = sample.stamp();
         out.extend(value.map(|value| Derived { stamp, value }));
     }
 
@@ -281,7 +278,7 @@ impl Transform {
             self.outcome.breaks.gaps += 1;
             return None;
         }
-        if !previous.resets.agrees(pose.resets) {
+        if !previous.attitude.has_same_origin(&pose.attitude) {
             self.outcome.breaks.resets += 1;
             return None;
         }
