@@ -148,7 +148,7 @@ impl fmt::Display for Expected {
 }
 
 impl SchemaError {
-    /// Both, where what is wrong is that fields are lacking; else this one.
+    /// Both, where both say that fields are lacking; else this one.
     pub fn and(mut self, other: Option<Self>) -> Self {
         if let (Self::NoSuchField { lacking, .. }, Some(Self::NoSuchField { lacking: more, .. })) =
             (&mut self, other)
@@ -158,8 +158,7 @@ impl SchemaError {
         self
     }
 
-    /// How many fields are lacking, one that is not as wanted among them; where nothing is known of the fields,
-    /// more than can be.
+    /// How many fields are lacking or not as wanted; more than there can be where the fields are not known.
     pub fn lacks(&self) -> usize {
         match self {
             Self::NoSuchField { lacking, .. } => lacking.len(),

@@ -23,8 +23,10 @@ pub trait Node: Sized {
     /// An element, counted from 0; `None` where this is not a list, or one that is always shorter.
     fn element(&self, index: usize) -> Option<Self>;
 
-    /// How many elements every list there has; `None` where this is not a list, or one of varying length.
-    fn length(&self) -> Option<usize>;
+    /// How many elements the list always has; `None` where this is not a list, or one of varying length.
+    fn length(&self) -> Option<usize> {
+        None
+    }
 }
 
 /// The place that a path leads to, and the way there.

@@ -80,7 +80,7 @@ pub struct FieldValue {
 }
 
 impl FieldValue {
-    /// As many numbers as any field of interest has: a quaternion's.
+    /// No list of interest is longer.
     pub const CAPACITY: usize = 4;
 
     pub fn set(&mut self, number: impl Into<Number>) {
@@ -137,13 +137,13 @@ impl FieldValue {
     }
 }
 
-/// What one message held: a value for each wanted field, and what a decoder counts meanwhile.
+/// What one message held: a value for each wanted field, and what the decoder counts while it reads.
 #[derive(Debug, Clone, Default)]
 pub struct Slots {
     /// In the order in which the fields were wanted.
     pub values: Vec<FieldValue>,
-    /// How many elements were seen of each list that a path leads into; as many as paths have indexes, which
-    /// is enough.
+    /// How many elements were seen of each list that a path leads into. There are no more such lists than indexes in
+    /// paths.
     pub seen: Vec<usize>,
 }
 
@@ -171,7 +171,7 @@ impl Slots {
     }
 }
 
-/// Why the fields of a message cannot be had.
+/// Why the fields of a message cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Undecodable {
     /// Its bytes are not what its schema says.

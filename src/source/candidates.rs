@@ -13,7 +13,7 @@ use super::{
     topic::Pattern,
 };
 use crate::{
-    decode::{error::SchemaError, json::FirstMessages, schema::MessageSchema},
+    decode::{FirstMessages, error::SchemaError, schema::MessageSchema},
     log::{LONGEST_EXAMPLE, contents::Definitions, stream::Passing},
     sample::Kind,
 };

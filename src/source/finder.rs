@@ -18,8 +18,8 @@ use super::{
 };
 use crate::{
     decode::{
+        FirstMessages,
         error::{SchemaError, quote},
-        json::FirstMessages,
         path::FieldPath,
         schema::MessageSchema,
     },

@@ -9,7 +9,7 @@ use super::{
     request::Request,
     topic::describe_topics,
 };
-use crate::{decode::json::FirstMessages, error::Error, log::Log, sample::Kind};
+use crate::{decode::FirstMessages, error::Error, log::Log, sample::Kind};
 
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

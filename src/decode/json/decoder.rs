@@ -207,7 +207,7 @@ impl<'de> Visitor<'de> for ElementsVisitor<'_> {
 /// A number, a truth value, a list of numbers, a text, or `null` for a field that is missing.
 struct LeafVisitor<'a> {
     words: Option<&'a [String]>,
-    /// Whether it stands in a list, in which no further list may stand.
+    /// Whether it is in a list already, which must not hold another one.
     is_element: bool,
     slot: &'a mut FieldValue,
 }

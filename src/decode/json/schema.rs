@@ -116,10 +116,6 @@ impl Node for JsonSchemaNode<'_> {
         let schema = self.schema.and_then(|schema| schema.get("items"));
         Some(Self { schema, ..*self })
     }
-
-    fn length(&self) -> Option<usize> {
-        None
-    }
 }
 
 /// A value of a message.
@@ -148,10 +144,6 @@ impl Node for &Value {
 
     fn element(&self, index: usize) -> Option<Self> {
         self.get(index)
-    }
-
-    fn length(&self) -> Option<usize> {
-        self.as_array().map(Vec::len)
     }
 }
 

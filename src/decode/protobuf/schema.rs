@@ -112,10 +112,6 @@ impl Node for ProtobufNode {
             _ => None,
         }
     }
-
-    fn length(&self) -> Option<usize> {
-        None
-    }
 }
 
 fn names(message: &MessageDescriptor) -> Vec<String> {

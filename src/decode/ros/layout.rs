@@ -1,4 +1,4 @@
-//! How far a value reaches, for stepping over it.
+//! How many bytes values take, for stepping over them.
 
 use std::sync::Arc;
 
@@ -66,8 +66,8 @@ pub enum Skip {
     Elements { length: Length, element: Extent },
 }
 
-/// What stepping over a value takes, as few steps as possible: of a value of fixed size one, or none if it takes
-/// no bytes. Types share it, so that it is no larger than the definition, however they nest.
+/// The steps that it takes to pass a value, as few as possible: for a value of fixed size one, or none if it takes no
+/// bytes. Types share them, so that they take no more memory than the definition, however types nest.
 pub type Extent = Arc<[Skip]>;
 
 impl Skip {

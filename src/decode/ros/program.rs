@@ -1,4 +1,4 @@
-//! What to do with the bytes of a message to have the wanted fields.
+//! The wanted fields of a message type → a program that reads them out of a message's bytes.
 
 use super::{
     layout::{Extent, Length, Skip},
@@ -15,7 +15,7 @@ use crate::decode::{
 /// Wanted fields by their places in messages, each with what reads it.
 type Fields = FieldTree<usize, Op>;
 
-/// What to do, in this order.
+/// What to do, in that order.
 #[derive(Debug)]
 pub struct Program(Vec<Op>);
 
@@ -39,13 +39,13 @@ pub enum Op {
     Elements {
         length: Length,
         element: Extent,
-        /// By their place, the first one first.
+        /// By their places, in that order.
         wanted: Vec<(usize, Program)>,
     },
 }
 
 impl Op {
-    /// Reads a field into a slot; `None` where it is nothing of this shape.
+    /// Reads a field into a slot; `None` where the field does not have this shape.
     pub fn read(field: &RosType, shape: &Shape, slot: usize) -> Option<Self> {
         match (shape, &field.element, field.list) {
             (Shape::Number, &RosElement::Number(scalar), None) => {
