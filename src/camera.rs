@@ -26,6 +26,25 @@ pub enum Camera {
     Gimbal,
 }
 
+/// Why it is not known how the camera is mounted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// Nobody says.
+    #[error("the log does not say where the camera looks, and no angle is given")]
+    Unknown,
+    /// A mount with roll or pitch was given together with a depression angle.
+    #[error(
+        "a mount with roll or pitch contradicts a depression angle: a gimballed camera does not tilt with the drone"
+    )]
+    TiltedMount,
+    /// A mount was given, and where the angles of a gimbal are.
+    #[error(
+        "a mount contradicts a gimbal: a camera that is bolted to the airframe follows no gimbal"
+    )]
+    GimbalAndMount,
+}
+
 impl Camera {
     /// Where the camera looks: `R_ned_camera` for the drone's attitude `q_ned_drone` (FRD to NED), or `None`
     /// where it follows the heading of a nose that points straight up or down

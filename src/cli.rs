@@ -3,6 +3,7 @@
 mod camera;
 mod completions;
 mod enrich;
+mod hint;
 mod inspect;
 mod manual;
 mod pipe;
@@ -83,7 +84,7 @@ pub fn run() -> ExitCode {
     };
     result
         .unwrap_or_else(|error| {
-            complain("error", &error.to_string());
+            complain("error", &explain(&error));
             exit_for(&error)
         })
         .into()
@@ -94,8 +95,16 @@ fn complain(what: &str, message: &str) {
     let _ = writeln!(io::stderr(), "{what}: {message}");
 }
 
+/// What was wrong, and below it what to do about it.
+fn explain(error: &Error) -> String {
+    match hint::hint(error) {
+        Some(hint) => format!("{error}\nhint: {hint}"),
+        None => error.to_string(),
+    }
+}
+
 fn exit_for(error: &Error) -> Exit {
-    if error.is_usage() {
+    if hint::is_usage(error) {
         Exit::WrongArguments
     } else {
         Exit::Failed

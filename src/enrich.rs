@@ -17,9 +17,11 @@ use crate::{
     options::Options,
     progress::{Watch, Watcher},
     report::Report,
+    run::{Left, RunError},
     writer::{Layout, destination::Destination, original::Original},
 };
 use derivation::Derivation;
+pub(crate) use output::conclude;
 pub use passing::{enrich_stream, enrich_stream_to_file};
 
 /// `NAME.enriched.mcap` beside the input.
@@ -44,7 +46,7 @@ pub fn enrich(
     let destination = Destination::new(input, output, options.overwrite)?;
     let original = Original::of(Log::open(input)?)?;
     let derivation = Derivation::new(&original, &original.log, options)?;
-    let watcher = Watcher::new(watch, output.into(), "nothing was written");
+    let watcher = Watcher::new(watch, output.into(), Left::Nothing);
     output::to_new_file(&original.log, &destination, derivation, &watcher)
 }
 
@@ -55,12 +57,12 @@ pub fn enrich(
 /// refused, because it leaves nothing in its place.
 pub fn enrich_in_place(log: &Path, options: &Options, watch: Watch) -> Result<Report, Error> {
     if options.layout == Layout::Interleaved {
-        return Err(Error::InterleavedInPlace);
+        return Err(RunError::InterleavedInPlace.into());
     }
     let file = LogFile::open(log, Access::Change)?;
     let original = Original::of(Log::read(file)?)?;
     let derivation = Derivation::new(&original, &original.log, options)?;
-    let watcher = Watcher::new(watch, log.into(), "the log is as it was");
+    let watcher = Watcher::new(watch, log.into(), Left::Unchanged);
     output::in_place(&original.log, derivation, &watcher)
 }
 
@@ -76,6 +78,6 @@ pub fn enrich_to(
 ) -> Result<Report, Error> {
     let original = Original::of(Log::open(input)?)?;
     let derivation = Derivation::new(&original, &original.log, options)?;
-    let watcher = Watcher::new(watch, output.name.into(), "what was written is not whole");
+    let watcher = Watcher::new(watch, output.name.into(), Left::Incomplete);
     output::to_stream(&original.log, output, derivation, &watcher)
 }

@@ -6,19 +6,22 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    fmt,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::{
-    camera::Camera,
+    camera::{Camera, CameraError},
     derived::Quantity,
     error::Error,
     log::{Log, SegmentReader, contents::Segment},
     messages::Format,
     options::Options,
     report::{CameraReport, MissingTopic, ProfileReport, RECOVERED, lossy, unread_end},
+    run::RunError,
     sample::{Kind, Position, Sample, Tallies, Tally, Velocity},
     source::{RoleSource, RunnerUp, Source},
     writer::original::Original,
@@ -46,11 +49,40 @@ pub struct Inspection {
     /// The telemetry, if `enrich` would find it.
     pub telemetry: Option<Telemetry>,
     /// Why `enrich` would fail, if it would.
-    pub problem: Option<String>,
+    pub problem: Option<Problem>,
     /// The topics that are not telemetry, by kind.
     pub other_topics: Vec<TopicGroup>,
     /// What the user should know besides.
     pub notes: Vec<String>,
+}
+
+/// Why `enrich` would fail. In JSON it is the error's message.
+#[derive(Debug, Clone)]
+pub struct Problem(Arc<Error>);
+
+impl Problem {
+    /// The error that it would fail with.
+    pub fn error(&self) -> &Error {
+        &self.0
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl PartialEq for Problem {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+impl Serialize for Problem {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// What would be used.
@@ -197,7 +229,7 @@ pub struct TopicGroup {
 /// but what there is to tell.
 pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
     let original = Original::of(Log::open(input)?)?;
-    let mut problem = original.check_topics_are_free().err();
+    let mut problem = original.check_topics_are_free().err().map(Error::from);
     let log = original.log;
     let recovered = log.file.was_recovered().then(|| RECOVERED.to_owned());
     let enriched = original.undone.ok().map(|earlier| {
@@ -235,7 +267,7 @@ pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
         scanned: log.scanned.is_some(),
         other_topics: group_topics(&log, &used),
         telemetry,
-        problem: problem.map(|error| error.to_string()),
+        problem: problem.map(|error| Problem(Arc::new(error))),
         notes,
     })
 }
@@ -244,8 +276,8 @@ impl Telemetry {
     fn describe(log: &Log, source: &mut Source, options: &Options) -> Result<Self, Error> {
         let camera = match options.camera(source) {
             Ok(camera) => Some(camera),
-            Err(Error::NoCamera) => None,
-            Err(contradiction) => return Err(contradiction),
+            Err(CameraError::Unknown) => None,
+            Err(contradiction) => return Err(contradiction.into()),
         };
         let sampled = Sampled::read(log, source)?;
         let times = log.message_times(&source.channel_ids())?;
@@ -315,11 +347,12 @@ impl Telemetry {
 
     /// The error of [`enrich`](crate::enrich()) if there would be nothing to write.
     fn why_nothing(&self, input: &Path) -> Option<Error> {
-        let reasons = self.would_not_write.iter();
-        let reasons = reasons.map(|missing| format!("  {}: {}", missing.topic, missing.reason));
-        self.would_write.is_empty().then(|| Error::NothingDerived {
-            path: input.into(),
-            details: reasons.collect::<Vec<_>>().join("\n"),
+        (self.would_write.is_empty()).then(|| {
+            RunError::NothingDerived {
+                path: input.into(),
+                missing: self.would_not_write.clone(),
+            }
+            .into()
         })
     }
 

@@ -66,6 +66,7 @@ pub mod progress;
 pub mod reader;
 pub mod report;
 pub mod restore;
+pub mod run;
 pub mod sample;
 pub mod source;
 pub mod transform;

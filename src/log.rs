@@ -14,7 +14,7 @@ pub mod record;
 pub mod stream;
 
 mod chunk;
-mod foreign;
+mod error;
 mod picker;
 mod scan;
 mod segment;
@@ -28,7 +28,6 @@ use std::{
 
 use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, op};
 
-use crate::error::Error;
 use contents::Contents;
 use file::LogFile;
 use locked::Access;
@@ -36,6 +35,7 @@ use record::{Records, parse};
 use scan::{Bodies, Collector, Step, Walker};
 use summary::{DATA_END_LENGTH, Ending};
 
+pub use error::{ChunkFault, Damage, ForeignFormat, JournalError, ReadError, RecordKind};
 pub use segment::SegmentReader;
 
 /// A longer payload is none that [`Log::first_payloads`] gives.
@@ -77,7 +77,7 @@ impl Log {
     ///
     /// # Errors
     /// The file cannot be read, is not an MCAP, or is damaged where it is needed.
-    pub fn open(path: &Path) -> Result<Self, Error> {
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
         Self::read(LogFile::open(path, Access::Read)?)
     }
 
@@ -85,7 +85,7 @@ impl Log {
     ///
     /// # Errors
     /// The file cannot be read, is not an MCAP, or is damaged where it is needed.
-    pub fn read(file: LogFile) -> Result<Self, Error> {
+    pub fn read(file: LogFile) -> Result<Self, ReadError> {
         let header = read_header(&file)?;
         let ending = Ending::read(&file, 0)?;
         if let Some(Ending {
@@ -109,7 +109,7 @@ impl Log {
     }
 
     /// Reads the log from start to end, which its `ending` may tell.
-    fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, Error> {
+    fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, ReadError> {
         let end = (ending.as_ref()).map_or(file.length(), |ending| ending.data_end);
         let mut walker = Walker::new(&file, mcap::MAGIC.len() as u64, end);
         let mut collector = Collector::default();
@@ -142,7 +142,7 @@ impl Log {
         ending: Option<Ending>,
         stop: Stop,
         mut collector: Collector,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, ReadError> {
         let mut data_crc = ending.as_ref().and_then(|ending| ending.data_crc);
         let mut breaks_off_at = None;
         let data_end = match stop {
@@ -151,7 +151,7 @@ impl Log {
                 offset
             }
             Stop::Torn { offset } if ending.is_some() => {
-                return Err(file.corrupt(offset, "what is there is not a record"));
+                return Err(file.damaged(offset, Damage::NotARecord));
             }
             Stop::Torn { offset } => {
                 breaks_off_at = Some(offset);
@@ -193,20 +193,20 @@ impl Log {
     }
 
     /// The Metadata records of one name.
-    pub fn metadata(&self, name: &str) -> Result<Vec<Metadata>, Error> {
+    pub fn metadata(&self, name: &str) -> Result<Vec<Metadata>, ReadError> {
         let named = (self.contents.metadata.iter()).filter(|index| index.record.name == name);
         named.map(|index| self.metadata_at(&index.record)).collect()
     }
 
-    fn metadata_at(&self, index: &MetadataIndex) -> Result<Metadata, Error> {
+    fn metadata_at(&self, index: &MetadataIndex) -> Result<Metadata, ReadError> {
         let bytes = self.file.read(index.offset, index.length)?;
         let record = Records::new(&bytes).next().and_then(Result::ok);
         record
             .filter(|record| record.opcode == op::METADATA)
             .and_then(|record| parse(record.body).ok())
             .ok_or_else(|| {
-                self.file
-                    .corrupt(index.offset, "the metadata record there cannot be read")
+                let damage = Damage::Malformed(RecordKind::Metadata);
+                self.file.damaged(index.offset, damage)
             })
     }
 
@@ -219,7 +219,7 @@ impl Log {
         &self,
         channel_ids: &BTreeSet<u16>,
         most: usize,
-    ) -> Result<BTreeMap<u16, Vec<Vec<u8>>>, Error> {
+    ) -> Result<BTreeMap<u16, Vec<Vec<u8>>>, ReadError> {
         let mut segments = SegmentReader::new(self);
         let mut payloads: BTreeMap<u16, Vec<Vec<u8>>> = BTreeMap::new();
         let mut pending = channel_ids.clone();
@@ -271,7 +271,7 @@ impl Stop {
 }
 
 /// Checks the magic bytes and reads the header.
-fn read_header(file: &LogFile) -> Result<Header, Error> {
+fn read_header(file: &LogFile) -> Result<Header, ReadError> {
     let magic_length = mcap::MAGIC.len() as u64;
     check_magic(file.path(), &file.read(0, file.length().min(magic_length))?)?;
     let mut walker = Walker::new(file, magic_length, file.length());
@@ -281,21 +281,18 @@ fn read_header(file: &LogFile) -> Result<Header, Error> {
     {
         return Ok(header);
     }
-    Err(file.corrupt(magic_length, NO_HEADER))
+    Err(file.damaged(magic_length, Damage::NoHeader))
 }
 
-/// What is wrong where a log's first record should be.
-const NO_HEADER: &str = "there should be the header, the log's first record";
-
 /// Checks the bytes that a log starts with: as many as the magic bytes are, or all where there are fewer.
-fn check_magic(path: &Path, start: &[u8]) -> Result<(), Error> {
+fn check_magic(path: &Path, start: &[u8]) -> Result<(), ReadError> {
     let path = path.to_owned();
     match start {
-        [] => Err(Error::Empty { path }),
+        [] => Err(ReadError::Empty { path }),
         start if start == mcap::MAGIC => Ok(()),
-        start => Err(Error::NotMcap {
+        start => Err(ReadError::NotMcap {
             path,
-            advice: foreign::advice(start),
+            format: ForeignFormat::of(start),
         }),
     }
 }

@@ -1,8 +1,7 @@
 //! What the user decides about a run.
 
 use crate::{
-    camera::{Camera, Mount},
-    error::Error,
+    camera::{Camera, CameraError, Mount},
     geometry::DepressionAngle,
     messages::EncodingChoice,
     sample::Kind,
@@ -47,7 +46,7 @@ impl Options {
     ///
     /// # Errors
     /// Neither the options nor the log tell, or the options contradict each other.
-    pub fn camera(&self, source: &Source) -> Result<Camera, Error> {
+    pub fn camera(&self, source: &Source) -> Result<Camera, CameraError> {
         match (self.depression, self.mount) {
             (Some(depression), None) => Ok(Camera::Stabilised {
                 depression,
@@ -58,12 +57,12 @@ impl Options {
                     depression,
                     yaw_offset: yaw.to_radians(),
                 }),
-                _ => Err(Error::TiltedMount),
+                _ => Err(CameraError::TiltedMount),
             },
-            (None, Some(_)) if self.telemetry.gimbal.is_some() => Err(Error::GimbalAndMount),
+            (None, Some(_)) if self.telemetry.gimbal.is_some() => Err(CameraError::GimbalAndMount),
             (None, Some(mount)) => Ok(Camera::Fixed(mount)),
             (None, None) if source.role(Kind::Gimbal).is_some() => Ok(Camera::Gimbal),
-            (None, None) => Err(Error::NoCamera),
+            (None, None) => Err(CameraError::Unknown),
         }
     }
 }

@@ -2,7 +2,12 @@
 
 use std::{cell::RefCell, ops::ControlFlow, path::PathBuf};
 
-use crate::{error::Error, log::journal::Step};
+use crate::{
+    error::Error,
+    log::journal::Step,
+    run::{Left, RunError},
+    writer::WriteError,
+};
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,11 +37,11 @@ pub(crate) struct Watcher<'a> {
     watch: RefCell<Watch<'a>>,
     /// What is written to, and what is left of it if that ends early, for errors.
     path: PathBuf,
-    left: &'static str,
+    left: Left,
 }
 
 impl<'a> Watcher<'a> {
-    pub fn new(watch: Watch<'a>, path: PathBuf, left: &'static str) -> Self {
+    pub fn new(watch: Watch<'a>, path: PathBuf, left: Left) -> Self {
         Self {
             watch: RefCell::new(watch),
             path,
@@ -51,10 +56,28 @@ impl<'a> Watcher<'a> {
     pub fn bytes(&self, done: u64, total: u64) -> Result<(), Error> {
         match self.tell(Progress::Bytes { done, total }) {
             ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Error::Interrupted {
+            ControlFlow::Break(()) => Err(RunError::Interrupted {
                 path: self.path.clone(),
                 left: self.left,
-            }),
+            }
+            .into()),
+        }
+    }
+
+    /// As [`bytes`](Self::bytes), for what is to know no error of a run.
+    pub fn go_on(&self, done: u64, total: u64) -> ControlFlow<()> {
+        self.tell(Progress::Bytes { done, total })
+    }
+
+    /// What a run ends with that ended with an error of writing.
+    pub fn explain(&self, error: WriteError) -> Error {
+        match error {
+            WriteError::Cancelled => RunError::Interrupted {
+                path: self.path.clone(),
+                left: self.left,
+            }
+            .into(),
+            other => other.into(),
         }
     }
 

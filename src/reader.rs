@@ -11,8 +11,7 @@ mod merge;
 mod workers;
 
 use crate::{
-    error::Error,
-    log::{Log, contents::Segment},
+    log::{Log, ReadError, contents::Segment},
     sample::{Sample, Tallies},
     source::Source,
 };
@@ -62,10 +61,10 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// The log cannot be read or is damaged, or `take` fails, after which it is not called again.
-    pub fn for_each(
+    pub fn for_each<E: From<ReadError>>(
         self,
-        take: impl FnMut(Sample, u64) -> Result<(), Error>,
-    ) -> Result<(Source, Tallies), Error> {
+        take: impl FnMut(Sample, u64) -> Result<(), E>,
+    ) -> Result<(Source, Tallies), E> {
         workers::read(self.log, self.source, &self.parts, take)
     }
 }

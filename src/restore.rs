@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::{
+    enrich::conclude,
     error::Error,
     log::{
         Log,
@@ -13,7 +14,9 @@ use crate::{
     },
     progress::{Watch, Watcher},
     report::lossy,
+    run::{Left, RunError},
     writer::{
+        WriteError,
         copy::{copy_data, copy_end},
         destination::Destination,
         original::Original,
@@ -45,7 +48,7 @@ pub fn restore(log: &Path, watch: Watch) -> Result<Restored, Error> {
     let original = Original::of(Log::read(LogFile::open(log, Access::Change)?)?)?;
     let restored = describe(&original, log)?;
     if restored.undone.is_some() {
-        let watcher = Watcher::new(watch, log.into(), "the log is as it was");
+        let watcher = Watcher::new(watch, log.into(), Left::Unchanged);
         in_place(&original.log, &watcher)?;
     }
     Ok(restored)
@@ -66,14 +69,15 @@ pub fn restore_to(
     let original = Original::of(Log::open(log)?)?;
     let restored = describe(&original, output)?;
     let original = original.log;
-    let watcher = Watcher::new(watch, output.into(), "nothing was written");
+    let watcher = Watcher::new(watch, output.into(), Left::Nothing);
     let failed = |source| destination.write_error(source);
     let metadata = original.file.handle().metadata().map_err(failed)?;
     let pending = destination.create(Some(metadata.permissions()))?;
     let mut file = pending.file();
-    let copied = |done| watcher.bytes(done, original.file.length());
-    copy_data(&original, &mut file, failed, copied)?;
-    copy_end(&original, &mut file, failed, copied)?;
+    let copied = |done| watcher.go_on(done, original.file.length());
+    copy_data(&original, &mut file, failed, copied)
+        .and_then(|()| copy_end(&original, &mut file, failed, copied))
+        .map_err(|error| watcher.explain(error))?;
     pending.commit()?;
     Ok(restored)
 }
@@ -81,13 +85,14 @@ pub fn restore_to(
 fn describe(original: &Original, output: &Path) -> Result<Restored, Error> {
     let file = &original.log.file;
     let undone = match &original.undone {
-        Ok(earlier) => Some(earlier.clone()),
+        Ok(earlier) => Some(earlier.to_string()),
         Err(_) if file.was_recovered() => None,
         Err(reason) => {
-            return Err(Error::NotRestorable {
+            return Err(RunError::NotRestorable {
                 path: file.path().into(),
                 reason: *reason,
-            });
+            }
+            .into());
         }
     };
     Ok(Restored {
@@ -101,12 +106,13 @@ fn describe(original: &Original, output: &Path) -> Result<Restored, Error> {
 
 fn in_place(original: &Log, watcher: &Watcher) -> Result<(), Error> {
     let (file, start) = (&original.file, original.data_end);
-    let failed = |source| Error::io("cannot write the log", file.path(), source);
+    let failed = |source| WriteError::io("cannot write the log", file.path(), source);
     let mut end = WriteAt::new(file.handle(), start).map_err(failed)?;
     let mut step = |step| watcher.step(step);
     let journal = file.change_from(start, &mut step)?;
-    let written = |done| watcher.bytes(done, file.length());
+    let written = |done| watcher.go_on(done, file.length());
     let changed = copy_end(original, &mut end, failed, written)
-        .and_then(|()| journal.commit(file.length(), &mut step));
-    journal.conclude(changed)
+        .map_err(|error| watcher.explain(error))
+        .and_then(|()| Ok(journal.commit(file.length(), &mut step)?));
+    conclude(journal, file.path(), changed)
 }

@@ -13,6 +13,7 @@ mod append;
 mod channels;
 mod chunk;
 pub(crate) mod copy;
+mod error;
 mod interleave;
 mod section;
 mod summary;
@@ -20,13 +21,11 @@ mod summary;
 use std::collections::BTreeMap;
 
 pub use append::Appender;
+pub use error::{IdKind, WriteError};
 pub use interleave::Interleaver;
 use serde::Serialize;
 
-use crate::{
-    derived::{Derived, Quantity},
-    error::Error,
-};
+use crate::derived::{Derived, Quantity};
 
 /// Where in the log the new messages lie.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -56,13 +55,13 @@ pub trait LogWriter {
     ///
     /// # Errors
     /// The output cannot be written, the log cannot be read, or it has no id left for a channel.
-    fn write(&mut self, derived: &Derived) -> Result<(), Error>;
+    fn write(&mut self, derived: &Derived) -> Result<(), WriteError>;
 
     /// Completes the log, with `facts` on how its new messages were made.
     ///
     /// # Errors
     /// The output cannot be written, or the log cannot be read.
-    fn finish(self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, Error>;
+    fn finish(self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, WriteError>;
 }
 
 /// What was written.

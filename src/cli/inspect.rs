@@ -15,7 +15,7 @@ use indicatif::{HumanBytes, HumanCount};
 use super::{
     Exit,
     camera::CameraArguments,
-    plural, print_result,
+    explain, plural, print_result,
     telemetry::{EXAMPLES, TelemetryArguments},
 };
 
@@ -100,7 +100,7 @@ fn describe(inspection: &Inspection) -> String {
     }
     let _ = match (&inspection.problem, &inspection.telemetry) {
         // Where there is no telemetry, the problem says what else there is.
-        (Some(problem), _) => write!(text, "\nenrich would fail: {problem}"),
+        (Some(problem), _) => write!(text, "\nenrich would fail: {}", explain(problem.error())),
         (None, Some(telemetry)) => write!(text, "\n{}", describe_plan(telemetry)),
         (None, None) => Ok(()),
     };

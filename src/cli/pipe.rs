@@ -6,7 +6,10 @@ use std::{
     path::Path,
 };
 
-use flightcam::{Error, log::stream::Named};
+use flightcam::{
+    Error,
+    log::{ReadError, stream::Named},
+};
 
 /// What stands for them on the command line.
 const NAME: &str = "-";
@@ -35,11 +38,12 @@ fn named(name: &'static str, stream: io::Result<File>) -> Result<Named<'static, 
     let name = Path::new(name);
     match stream {
         Ok(stream) => Ok(Named { name, stream }),
-        Err(source) => Err(Error::Io {
+        Err(source) => Err(ReadError::Io {
             action: "cannot be opened",
             path: name.into(),
             source,
-        }),
+        }
+        .into()),
     }
 }
 

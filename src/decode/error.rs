@@ -7,7 +7,7 @@ use super::{
     path::FieldPath,
     schema::SUPPORTED,
 };
-use crate::error::Error;
+use crate::log::ReadError;
 
 /// How many fields a message lists at most.
 const LISTED: usize = 40;
@@ -71,7 +71,7 @@ pub enum SchemaError {
     )]
     AfterWideText { field: String },
     #[error(transparent)]
-    Unreadable(#[from] Error),
+    Unreadable(#[from] ReadError),
 }
 
 /// What is wrong with a ROS message definition.

@@ -38,13 +38,15 @@ impl<'scope> Copying<'scope> {
         let task = Task::start(scope, move || {
             let (more, to_flush) = mpsc::sync_channel(1);
             // What is on the disk when the last byte is copied need not be waited for then.
-            let flusher = Task::start(scope, move || flush(&flushed, &to_flush).map_err(failed));
+            let flusher = Task::start(scope, move || {
+                Ok(flush(&flushed, &to_flush).map_err(failed)?)
+            });
             let result = copy_data(log, &mut file, failed, |done| {
                 let _ = more.try_send(());
                 told.tell(done)
             });
             drop(more);
-            result.and(flusher.join(|| Ok(())))
+            Ok(result?).and(flusher.join(|| Ok(())))
         });
         Ok(Self {
             task: Some(task),

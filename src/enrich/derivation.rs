@@ -15,7 +15,8 @@ use crate::{
     messages::Format,
     options::Options,
     reader::Reader,
-    report::{EncodingReport, Findings},
+    report::{EncodingReport, Findings, MissingTopic},
+    run::RunError,
     sample::Kind,
     source::Source,
     transform::Transform,
@@ -203,12 +204,13 @@ fn write_all<'w>(
 }
 
 fn nothing_derived(findings: &Findings, log: &Log) -> Error {
-    let reasons = Quantity::ALL.map(|quantity| {
-        let reason = findings.why_missing(quantity);
-        format!("  {}: {reason}", quantity.topic())
+    let missing = Quantity::ALL.map(|quantity| MissingTopic {
+        topic: quantity.topic(),
+        reason: findings.why_missing(quantity),
     });
-    Error::NothingDerived {
+    RunError::NothingDerived {
         path: log.file.path().into(),
-        details: reasons.join("\n"),
+        missing: missing.into(),
     }
+    .into()
 }

@@ -12,7 +12,10 @@ use crate::{
     log::{Log, journal::Journal, locked::WriteAt, stream::Named},
     progress::Watcher,
     report::Report,
-    writer::{Appender, Interleaver, Layout, copy::copy_data, destination::Destination},
+    run::RunError,
+    writer::{
+        Appender, Interleaver, Layout, WriteError, copy::copy_data, destination::Destination,
+    },
 };
 
 /// Writes a new file.
@@ -28,7 +31,7 @@ pub fn to_new_file(
         let metadata = log.file.handle().metadata().map_err(failed)?;
         let created = destination.create(Some(metadata.permissions()))?;
         let file = pending.insert(created).file();
-        file.try_clone().map_err(failed)
+        Ok(file.try_clone().map_err(failed)?)
     };
     let report = match derivation.layout() {
         Layout::Append => append_to_copy(log, create, destination, derivation, watcher),
@@ -66,7 +69,7 @@ fn append_to_copy(
         let (writer, findings, read) = derivation.run(begin, read, || {})?;
         let copying = copying.into_inner().expect("the writer was begun");
         copying.finish(|copied| watcher.bytes(copied + read, log.data_end + read))?;
-        Ok((writer, findings))
+        Ok::<_, Error>((writer, findings))
     })?;
     let written = writer.finish(findings.facts())?;
     Ok(findings.report(path.into(), written))
@@ -87,7 +90,7 @@ fn interleave_to_file(
         let create = || {
             let file = create()?;
             let flushed = file.try_clone().map_err(failed)?;
-            let flush = move || flush(&flushed, &to_flush).map_err(failed);
+            let flush = move || Ok(flush(&flushed, &to_flush).map_err(failed)?);
             flusher = Some(Task::start(scope, flush));
             Ok(file)
         };
@@ -124,7 +127,7 @@ fn interleave<W: Write + Send>(
     let (writer, findings, read) = derivation.run(begin, tell, abandon)?;
     let facts = findings.facts();
     let written = thread::scope(|scope| {
-        let finishing = Task::start(scope, || writer.finish(facts));
+        let finishing = Task::start(scope, || Ok(writer.finish(facts)?));
         let written = finishing.join(|| tell(read, read));
         written.inspect_err(|_| abandon())
     })?;
@@ -136,9 +139,22 @@ pub fn in_place(log: &Log, derivation: Derivation, watcher: &Watcher) -> Result<
     let mut journal = None;
     let changed = change(log, derivation, watcher, &mut journal);
     match journal {
-        Some(journal) => journal.conclude(changed),
+        Some(journal) => conclude(journal, log.file.path(), changed),
         None => changed,
     }
+}
+
+/// Brings a log back to what it was, unless all went well.
+pub fn conclude<T>(journal: Journal, log: &Path, changed: Result<T, Error>) -> Result<T, Error> {
+    changed.map_err(|cause| match journal.roll_back() {
+        Ok(()) => cause,
+        Err(rollback) => RunError::RollBack {
+            path: log.into(),
+            cause: Box::new(cause),
+            rollback,
+        }
+        .into(),
+    })
 }
 
 /// As [`in_place`], with the journal left to the caller to conclude.
@@ -154,7 +170,7 @@ fn change<'a>(
     let begin = || {
         *journal = Some(log.file.change_from(log.data_end, &mut step)?);
         let end = WriteAt::new(log.file.handle(), log.data_end);
-        let end = end.map_err(|source| Error::io("cannot write the log", path, source))?;
+        let end = end.map_err(|source| WriteError::io("cannot write the log", path, source))?;
         let appender = Appender::begin(log, end, path.into(), format)?;
         Ok(Box::new(appender) as BoxedWriter)
     };
@@ -177,10 +193,11 @@ pub fn to_stream(
     if derivation.layout() == Layout::Interleaved {
         return interleave(log, || Ok(output.stream), || {}, name, derivation, watcher);
     }
-    let failed = |source| Error::io("cannot write the output", name, source);
-    let copied = |done| watcher.bytes(done, log.data_end);
+    let failed = |source| WriteError::io("cannot write the output", name, source);
+    let copied = |done| watcher.go_on(done, log.data_end);
     behind(log, output, derivation, watcher, |stream| {
-        copy_data(log, stream, failed, copied)
+        let copied = copy_data(log, stream, failed, copied);
+        copied.map_err(|error| watcher.explain(error))
     })
 }
 

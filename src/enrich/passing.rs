@@ -3,12 +3,13 @@
 
 use std::{
     io::{self, Read, Write},
+    ops::ControlFlow,
     path::Path,
 };
 
 use super::{derivation::Derivation, output};
 use crate::{
-    error::{Error, Lost},
+    error::Error,
     log::{
         Log,
         stream::{Named, Streamed, pass_through},
@@ -16,8 +17,14 @@ use crate::{
     options::Options,
     progress::{Watch, Watcher},
     report::Report,
+    run::{Left, RunError},
     source::candidates::Candidates,
-    writer::{Layout, copy::copy_end, destination::Destination, original::Original},
+    writer::{
+        Layout, WriteError,
+        copy::copy_end,
+        destination::Destination,
+        original::{Lost, Original},
+    },
 };
 
 /// Passes a log on from one stream to another, and adds the camera's channels behind it.
@@ -32,7 +39,7 @@ pub fn enrich_stream(
     watch: Watch,
 ) -> Result<Report, Error> {
     let Named { name, mut stream } = output;
-    let watcher = Watcher::new(watch, name.into(), "what was written is not whole");
+    let watcher = Watcher::new(watch, name.into(), Left::Incomplete);
     let streamed = pass_on(input, name, &mut stream, options, &watcher)?;
     let (original, telemetry) = split(streamed);
     let mut is_begun = false;
@@ -48,12 +55,15 @@ pub fn enrich_stream(
     });
     match result {
         Err(cause) if !is_begun => {
-            let failed = |source| Error::io("cannot write the output", name, source);
-            copy_end(&original.log, &mut stream, failed, |_| Ok(()))?;
+            let failed = |source| WriteError::io("cannot write the output", name, source);
+            copy_end(&original.log, &mut stream, failed, |_| {
+                ControlFlow::Continue(())
+            })?;
             stream.flush().map_err(failed)?;
-            Err(Error::PassedOn {
+            Err(RunError::PassedOn {
                 cause: Box::new(cause),
-            })
+            }
+            .into())
         }
         result => result,
     }
@@ -70,7 +80,7 @@ pub fn enrich_stream_to_file(
     watch: Watch,
 ) -> Result<Report, Error> {
     let destination = Destination::new(input.name, output, options.overwrite)?;
-    let watcher = Watcher::new(watch, output.into(), "nothing was written");
+    let watcher = Watcher::new(watch, output.into(), Left::Nothing);
     let pending = destination.create(None)?;
     let mut file = pending.file();
     let streamed = pass_on(input, output, &mut file, options, &watcher)?;
@@ -93,7 +103,7 @@ fn pass_on(
     watcher: &Watcher,
 ) -> Result<Streamed, Error> {
     if options.layout == Layout::Interleaved {
-        return Err(Error::InterleavedStream);
+        return Err(RunError::InterleavedStream.into());
     }
     let mut candidates = Candidates::new(&options.telemetry);
     let watched = Named {
@@ -110,7 +120,7 @@ fn pass_on(
     };
     let passed = pass_through(watched, output, |passing| candidates.include(passing));
     // That the run shall end is told to the reader of the stream in no words of its own.
-    passed.map_err(|error| watcher.bytes(0, 0).err().unwrap_or(error))
+    passed.map_err(|error| watcher.bytes(0, 0).err().unwrap_or(error.into()))
 }
 
 /// The log that was passed on, and the one that has its telemetry.

@@ -1,8 +1,8 @@
 //! What the threads of a run tell each other.
 
 use std::{
+    ops::ControlFlow,
     panic,
-    path::PathBuf,
     sync::{
         atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
         mpsc::{self, Receiver, RecvTimeoutError},
@@ -63,19 +63,12 @@ impl Copied {
         self.bytes.load(Relaxed)
     }
 
-    /// Tells of bytes.
-    ///
-    /// # Errors
-    /// Nobody waits for more.
-    pub fn tell(&self, bytes: u64) -> Result<(), Error> {
+    /// Tells of bytes; whether anybody waits for more.
+    pub fn tell(&self, bytes: u64) -> ControlFlow<()> {
         self.bytes.store(bytes, Relaxed);
         match self.is_abandoned.load(Relaxed) {
-            false => Ok(()),
-            // Nobody sees this: who has abandoned it has an error of their own.
-            true => Err(Error::Interrupted {
-                path: PathBuf::new(),
-                left: "nobody waits for it",
-            }),
+            false => ControlFlow::Continue(()),
+            true => ControlFlow::Break(()),
         }
     }
 

@@ -5,10 +5,10 @@ use std::{borrow::Cow, io::Read};
 use mcap::records::{ChunkHeader, Record, op};
 
 use super::{
+    error::{ChunkFault, ReadError},
     file::LogFile,
     record::{RawRecord, Records},
 };
-use crate::error::Error;
 
 /// More than any recorder puts into a chunk. A chunk that claims more is refused before it fills the memory.
 const MAX_CONTENT: u64 = 1 << 30;
@@ -30,25 +30,6 @@ pub struct ChunkDecoder {
     content: Vec<u8>,
 }
 
-/// Why a chunk has no readable content.
-#[derive(Debug, thiserror::Error)]
-pub enum ChunkFault {
-    #[error("it is no whole chunk record")]
-    Malformed,
-    #[error("its compression `{0}` is not supported (zstd, lz4 and none are)")]
-    UnknownCompression(String),
-    #[error("its content cannot be decompressed: {0}")]
-    Decompression(#[from] std::io::Error),
-    #[error("its content is {found} bytes long and should be {expected}")]
-    Length { expected: u64, found: usize },
-    #[error(
-        "its content does not have the checksum that was recorded ({expected:08x}, not {found:08x})"
-    )]
-    Checksum { expected: u32, found: u32 },
-    #[error("it is said to hold {0} bytes; at most 1 GiB is read")]
-    TooLarge(u64),
-}
-
 impl ChunkReader {
     /// The header of the chunk whose record lies at `offset`, and the records that it holds, checked against
     /// its length and, where it has one, its checksum.
@@ -60,8 +41,8 @@ impl ChunkReader {
         file: &LogFile,
         offset: u64,
         length: u64,
-    ) -> Result<(ChunkHeader, Records<'_>), Error> {
-        check_length(length).map_err(|fault| file.corrupt(offset, fault.describe()))?;
+    ) -> Result<(ChunkHeader, Records<'_>), ReadError> {
+        check_length(length).map_err(|fault| file.damaged(offset, fault))?;
         file.read_into(&mut self.raw, offset, length)?;
         let body = match Records::new(&self.raw).next() {
             Some(Ok(RawRecord {
@@ -72,7 +53,7 @@ impl ChunkReader {
             _ => Err(ChunkFault::Malformed),
         };
         body.and_then(|body| self.decoder.records(body))
-            .map_err(|fault| file.corrupt(offset, fault.describe()))
+            .map_err(|fault| file.damaged(offset, fault))
     }
 }
 
@@ -92,13 +73,6 @@ fn split(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
             data: Cow::Borrowed(data),
         } => Some((header, data)),
         _ => None,
-    }
-}
-
-impl ChunkFault {
-    /// In words, of the place where the chunk lies.
-    pub fn describe(&self) -> String {
-        format!("the chunk there is unreadable: {self}")
     }
 }
 

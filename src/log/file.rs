@@ -6,10 +6,10 @@ use std::{
 };
 
 use super::{
+    error::{Damage, JournalError, ReadError},
     journal::{self, Journal, Step},
     locked::{Access, LockedFile, read_exact_at},
 };
-use crate::error::Error;
 
 /// An open log file. Reading is by position, so that several readers can share it.
 ///
@@ -37,12 +37,12 @@ impl LogFile {
     ///
     /// # Errors
     /// The file does not exist, is not a regular file, cannot be opened, or is locked by another run.
-    pub fn open(path: &Path, access: Access) -> Result<Self, Error> {
-        let io = |source| Error::io("cannot open the log", path, source);
+    pub fn open(path: &Path, access: Access) -> Result<Self, ReadError> {
+        let io = |source| ReadError::io("cannot open the log", path, source);
         // Asked before opening, because opening a pipe waits for somebody to write to it.
         let metadata = std::fs::metadata(path).map_err(io)?;
         if !metadata.is_file() {
-            return Err(Error::NotAFile { path: path.into() });
+            return Err(ReadError::NotAFile { path: path.into() });
         }
         let mut recovered = false;
         let mut file = LockedFile::open(path, access)?;
@@ -65,13 +65,14 @@ impl LogFile {
     ///
     /// # Errors
     /// It cannot be said how long it is.
-    pub fn from_file(path: &Path, file: File) -> Result<Self, Error> {
+    pub fn from_file(path: &Path, file: File) -> Result<Self, ReadError> {
         Self::of(path, file.into())
     }
 
-    fn of(path: &Path, file: LockedFile) -> Result<Self, Error> {
+    fn of(path: &Path, file: LockedFile) -> Result<Self, ReadError> {
         let metadata = file.metadata();
-        let metadata = metadata.map_err(|source| Error::io("cannot open the log", path, source))?;
+        let metadata =
+            metadata.map_err(|source| ReadError::io("cannot open the log", path, source))?;
         Ok(Self {
             path: path.into(),
             len: metadata.len(),
@@ -100,7 +101,7 @@ impl LogFile {
         &self,
         start: u64,
         reached: &mut dyn FnMut(Step),
-    ) -> Result<Journal<'_>, Error> {
+    ) -> Result<Journal<'_>, JournalError> {
         Journal::begin(&self.file, &self.path, start, reached)
     }
 
@@ -128,7 +129,12 @@ impl LogFile {
     ///
     /// # Errors
     /// The range does not lie within the file, or reading fails.
-    pub fn read_into(&self, buffer: &mut Vec<u8>, offset: u64, length: u64) -> Result<(), Error> {
+    pub fn read_into(
+        &self,
+        buffer: &mut Vec<u8>,
+        offset: u64,
+        length: u64,
+    ) -> Result<(), ReadError> {
         self.read_behind(buffer, 0, offset, length)
     }
 
@@ -142,16 +148,11 @@ impl LogFile {
         kept: usize,
         offset: u64,
         length: u64,
-    ) -> Result<(), Error> {
+    ) -> Result<(), ReadError> {
         if offset.checked_add(length).is_none_or(|end| end > self.len) {
-            return Err(self.corrupt(
-                offset,
-                format!(
-                    "something {length} bytes long is said to be there, but the file is shorter"
-                ),
-            ));
+            return Err(self.damaged(offset, Damage::BeyondEnd { length }));
         }
-        let too_long = || self.corrupt(offset, format!("{length} bytes do not fit in memory"));
+        let too_long = || self.damaged(offset, Damage::OutOfMemory { length });
         let end = usize::try_from(length).ok();
         let end = end.and_then(|length| kept.checked_add(length));
         let end = end.ok_or_else(too_long)?;
@@ -171,30 +172,30 @@ impl LogFile {
                 })
             }
         };
-        read.map_err(|source| Error::io("cannot read", &self.path, source))
+        read.map_err(|source| ReadError::io("cannot read", &self.path, source))
     }
 
     /// As [`read_into`](Self::read_into), into a buffer of its own.
     ///
     /// # Errors
     /// Those of [`read_into`](Self::read_into).
-    pub fn read(&self, offset: u64, length: u64) -> Result<Vec<u8>, Error> {
+    pub fn read(&self, offset: u64, length: u64) -> Result<Vec<u8>, ReadError> {
         let mut buffer = Vec::new();
         self.read_into(&mut buffer, offset, length)?;
         Ok(buffer)
     }
 
     /// The error for a place at which the file is not what the format says.
-    pub fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error {
-        Error::corrupt(&self.path, offset, what)
+    pub fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError {
+        ReadError::damaged(&self.path, offset, damage)
     }
 }
 
 /// Undoes a change that was cut short, if nobody else is doing so. Whether there was one.
-fn recover(path: &Path) -> Result<bool, Error> {
+fn recover(path: &Path) -> Result<bool, ReadError> {
     let file = LockedFile::open(path, Access::Change).map_err(|error| match error {
-        Error::Io { source, .. } => journal::not_recovered(path, source),
+        ReadError::Io { source, .. } => journal::not_recovered(path, source).into(),
         other => other,
     })?;
-    journal::recover(&file, path)
+    Ok(journal::recover(&file, path)?)
 }

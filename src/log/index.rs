@@ -6,11 +6,11 @@ use mcap::records::{MessageIndex, MessageIndexEntry, op};
 
 use super::{
     contents::{Segment, SegmentKind},
+    error::ReadError,
     file::LogFile,
     record::{FRAME_LENGTH, parse, push_record, serialize, split_frame},
     summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
 };
-use crate::error::Error;
 
 /// The entries of a channel's message index; `None` where the segment has no index of that channel, or one that
 /// does not tell of as many messages as the channel has there.
@@ -18,7 +18,7 @@ pub fn message_index(
     file: &LogFile,
     segment: &Segment,
     channel_id: u16,
-) -> Result<Option<Vec<MessageIndexEntry>>, Error> {
+) -> Result<Option<Vec<MessageIndexEntry>>, ReadError> {
     let SegmentKind::Chunk { index, .. } = &segment.kind else {
         return Ok(None);
     };

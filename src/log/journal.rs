@@ -21,10 +21,10 @@ use std::{
 use binrw::{BinRead, BinWrite, binrw};
 
 use super::{
+    error::JournalError,
     locked::{WriteAt, grant},
     prefix::Prefix,
 };
-use crate::error::Error;
 
 /// What a journal is called: the log's name and this.
 const SUFFIX: &str = ".flightcam-journal";
@@ -85,7 +85,8 @@ struct Header {
 
 /// A log's file while its end is being replaced.
 ///
-/// If it ends without [`conclude`](Self::conclude), the next run brings the old end back.
+/// If it ends without [`commit`](Self::commit) or [`roll_back`](Self::roll_back), the next run brings the old end
+/// back.
 #[derive(Debug)]
 pub struct Journal<'a> {
     log: &'a File,
@@ -100,9 +101,9 @@ impl<'a> Journal<'a> {
         log_path: &'a Path,
         start: u64,
         reached: &mut dyn FnMut(Step),
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, JournalError> {
         let path = beside(log_path)?;
-        let failed = |source| Error::io("cannot save the log's end", &path, source);
+        let failed = |source| JournalError::io("cannot save the log's end", &path, source);
         let journal = File::create_new(&path).map_err(failed)?;
         let written =
             write(log, log_path, start, journal, reached).and_then(|()| sync_folder(&path));
@@ -123,8 +124,8 @@ impl<'a> Journal<'a> {
     ///
     /// # Errors
     /// The file cannot be cut or synced, or the journal not removed.
-    pub fn commit(&self, length: u64, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
-        let failed = |source| Error::io("cannot write the log", self.log_path, source);
+    pub fn commit(&self, length: u64, reached: &mut dyn FnMut(Step)) -> Result<(), JournalError> {
+        let failed = |source| JournalError::io("cannot write the log", self.log_path, source);
         let file = self.log;
         reached(Step::LogWritten);
         file.set_len(length).map_err(failed)?;
@@ -134,19 +135,12 @@ impl<'a> Journal<'a> {
         remove(&self.path, reached)
     }
 
-    /// Brings back what the file had, unless all went well.
+    /// Brings back what the file had.
     ///
     /// # Errors
-    /// What went wrong. If even bringing back does, the journal stays, and the next run tries again.
-    pub fn conclude<T>(self, changed: Result<T, Error>) -> Result<T, Error> {
-        changed.map_err(|cause| match recover(self.log, self.log_path) {
-            Ok(_) => cause,
-            Err(rollback) => Error::RollBack {
-                path: self.log_path.into(),
-                cause: Box::new(cause),
-                rollback: Box::new(rollback),
-            },
-        })
+    /// That is not possible now. The journal stays, and the next run tries again.
+    pub fn roll_back(self) -> Result<(), JournalError> {
+        recover(self.log, self.log_path).map(drop)
     }
 }
 
@@ -164,14 +158,14 @@ fn cannot_be_there(error: &io::Error) -> bool {
 }
 
 /// The error for a log that cannot be brought back.
-pub(super) fn not_recovered(log: &Path, source: io::Error) -> Error {
+pub(super) fn not_recovered(log: &Path, source: io::Error) -> JournalError {
     let action = "cannot bring the log back to what it was before an interrupted run";
-    Error::io(action, log, source)
+    JournalError::io(action, log, source)
 }
 
 /// Brings a file back to what it was before a change that was cut short, if one was. The file must be locked, so
 /// that no change is under way. Whether there was one.
-pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, Error> {
+pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, JournalError> {
     let path = beside(log_path)?;
     let journal = match File::open(&path) {
         Err(error) if cannot_be_there(&error) => return Ok(false),
@@ -182,7 +176,7 @@ pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, Error> {
     if let Some(header) = read_whole(&mut journal).map_err(failed)? {
         let prefix = Prefix::of(log, header.prefix.length).ok();
         if prefix.as_ref() != Some(&header.prefix) {
-            return Err(Error::ForeignJournal {
+            return Err(JournalError::Foreign {
                 path: log_path.into(),
                 journal: path,
                 of: String::from_utf8_lossy(&header.path).into_owned(),
@@ -279,8 +273,9 @@ fn bring_back(log: &File, header: &Header, journal: File) -> io::Result<()> {
     log.sync_all()
 }
 
-fn remove(journal: &Path, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
-    fs::remove_file(journal).map_err(|source| Error::io("cannot remove", journal, source))?;
+fn remove(journal: &Path, reached: &mut dyn FnMut(Step)) -> Result<(), JournalError> {
+    fs::remove_file(journal)
+        .map_err(|source| JournalError::io("cannot remove", journal, source))?;
     reached(Step::JournalRemoved);
     // This is too late to fail: what it was about is done. At worst a power cut undoes that.
     let _ = sync_folder(journal);
@@ -288,9 +283,9 @@ fn remove(journal: &Path, reached: &mut dyn FnMut(Step)) -> Result<(), Error> {
 }
 
 /// Where a log's journal is. It lies beside the file itself, whatever links lead there.
-fn beside(log: &Path) -> Result<PathBuf, Error> {
+fn beside(log: &Path) -> Result<PathBuf, JournalError> {
     let file = log.canonicalize();
-    let file = file.map_err(|source| Error::io("cannot find the log", log, source))?;
+    let file = file.map_err(|source| JournalError::io("cannot find the log", log, source))?;
     Ok(journal_of(&file))
 }
 

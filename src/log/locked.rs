@@ -7,7 +7,7 @@ use std::{
     path::Path,
 };
 
-use crate::error::Error;
+use super::error::ReadError;
 
 /// What is going to happen to a file, and so which lock it needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,18 +27,18 @@ impl LockedFile {
     ///
     /// # Errors
     /// It cannot be opened, or another run has locked it, or, if it is to be changed, it cannot be locked.
-    pub fn open(path: &Path, access: Access) -> Result<Self, Error> {
+    pub fn open(path: &Path, access: Access) -> Result<Self, ReadError> {
         let mut options = OpenOptions::new();
         options.read(true).write(access == Access::Change);
         let file = options.open(path);
-        let file = file.map_err(|source| Error::io("cannot open the log", path, source))?;
+        let file = file.map_err(|source| ReadError::io("cannot open the log", path, source))?;
         let locked = match access {
             Access::Read => file.try_lock_shared(),
             Access::Change => file.try_lock(),
         };
         match (locked, access) {
-            (Err(TryLockError::WouldBlock), _) => Err(Error::Locked { path: path.into() }),
-            (Err(TryLockError::Error(source)), Access::Change) => Err(Error::NoLocks {
+            (Err(TryLockError::WouldBlock), _) => Err(ReadError::Locked { path: path.into() }),
+            (Err(TryLockError::Error(source)), Access::Change) => Err(ReadError::NoLocks {
                 path: path.into(),
                 source,
             }),

@@ -6,11 +6,11 @@ use mcap::records::op;
 
 use super::{
     contents::{Segment, SegmentKind},
+    error::ReadError,
     file::LogFile,
     index::message_index,
     record::{FRAME_LENGTH, RawMessage, Records, split_frame},
 };
-use crate::error::Error;
 
 /// Messages that start no further apart are read together, and from the start of the last of them so much, because its
 /// length is not known yet. To read so much in vain costs about as much as to ask the system once more.
@@ -46,7 +46,7 @@ impl Picker {
         file: &LogFile,
         segment: &Segment,
         wanted: &BTreeSet<u16>,
-    ) -> Result<Option<Records<'_>>, Error> {
+    ) -> Result<Option<Records<'_>>, ReadError> {
         let channels = segment.channels_among(wanted);
         let is_pickable = match &segment.kind {
             SegmentKind::Chunk { index, is_indexed } => {
@@ -99,7 +99,7 @@ fn read(
     content: Range<u64>,
     entries: &[Entry],
     records: &mut Vec<u8>,
-) -> Result<Option<usize>, Error> {
+) -> Result<Option<usize>, ReadError> {
     let length = content.end - content.start;
     let mut packed = 0;
     // Where the message before ends.

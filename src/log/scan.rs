@@ -9,10 +9,10 @@ use mcap::records::{
 use super::{
     chunk::{self, ChunkDecoder},
     contents::{Contents, Definitions, Segment, SegmentKind},
+    error::{Damage, ReadError, RecordKind},
     file::LogFile,
     record::{FRAME_LENGTH, MESSAGE_HEADER_LENGTH, Raw, RawMessage, parse, split_frame},
 };
-use crate::error::Error;
 
 /// How much is read at once where records follow one another closely.
 const WINDOW: u64 = 64 * 1024;
@@ -59,10 +59,10 @@ pub enum Step {
 /// Where the bodies of records are.
 pub trait Bodies {
     /// The first `most` bytes of a record's body, or all of it where it is shorter.
-    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error>;
+    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], ReadError>;
 
     /// The error for a place at which the log is not what the format says.
-    fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error;
+    fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError;
 }
 
 /// Steps from record to record, reading opcodes and lengths but no bodies unless asked.
@@ -86,7 +86,7 @@ impl<'a> Walker<'a> {
         }
     }
 
-    pub fn step(&mut self) -> Result<Step, Error> {
+    pub fn step(&mut self) -> Result<Step, ReadError> {
         let offset = self.position;
         if offset >= self.end {
             return Ok(Step::End);
@@ -112,7 +112,7 @@ impl<'a> Walker<'a> {
         Ok(Step::Record(frame))
     }
 
-    fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], Error> {
+    fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], ReadError> {
         let window_end = self.window_start + self.window.len() as u64;
         if offset < self.window_start || offset + length > window_end {
             let ahead = length.max(WINDOW).min(self.file.length() - offset);
@@ -126,12 +126,12 @@ impl<'a> Walker<'a> {
 }
 
 impl Bodies for Walker<'_> {
-    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error> {
+    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], ReadError> {
         self.bytes(frame.body_offset(), frame.length.min(most))
     }
 
-    fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error {
-        self.file.corrupt(offset, what)
+    fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError {
+        self.file.damaged(offset, damage)
     }
 }
 
@@ -175,7 +175,7 @@ impl Collector {
     }
 
     /// Takes one record of the data section.
-    pub fn record(&mut self, bodies: &mut impl Bodies, frame: &Frame) -> Result<(), Error> {
+    pub fn record(&mut self, bodies: &mut impl Bodies, frame: &Frame) -> Result<(), ReadError> {
         self.record_and_visit(bodies, frame, |_, _, _| {})
     }
 
@@ -186,7 +186,7 @@ impl Collector {
         bodies: &mut impl Bodies,
         frame: &Frame,
         visit: impl FnMut(&Definitions, &RawMessage, &[u8]),
-    ) -> Result<(), Error> {
+    ) -> Result<(), ReadError> {
         if frame.opcode != op::MESSAGE_INDEX {
             self.close_chunk();
         }
@@ -194,27 +194,28 @@ impl Collector {
             op::SCHEMA | op::CHANNEL => {
                 let body = bodies.body(frame, u64::MAX)?;
                 let added = self.contents.definitions.add(frame.opcode, body);
-                added.ok_or_else(|| malformed(bodies, frame, "schema or channel"))?;
+                added.ok_or_else(|| malformed(bodies, frame, RecordKind::Definition))?;
             }
             op::MESSAGE => {
                 // The payload is of no interest here.
                 let message = RawMessage::parse(bodies.body(frame, MESSAGE_HEADER_LENGTH as u64)?)
                     .map(|message| (message.channel_id, message.log_time));
                 let (channel_id, log_time) =
-                    message.ok_or_else(|| malformed(bodies, frame, "message"))?;
+                    message.ok_or_else(|| malformed(bodies, frame, RecordKind::Message))?;
                 self.loose_message(frame, channel_id, log_time);
             }
             op::CHUNK => {
                 chunk::check_length(frame.length)
-                    .map_err(|fault| bodies.corrupt(frame.offset, fault.describe()))?;
+                    .map_err(|fault| bodies.damaged(frame.offset, fault))?;
                 let body = bodies.body(frame, u64::MAX)?;
                 let chunk = self.chunk(frame, body, visit);
-                self.open_chunk = Some(chunk.map_err(|what| bodies.corrupt(frame.offset, what))?);
+                self.open_chunk =
+                    Some(chunk.map_err(|damage| bodies.damaged(frame.offset, damage))?);
             }
             op::MESSAGE_INDEX => {
                 if let Some(chunk) = &mut self.open_chunk {
                     let index: MessageIndex = parse(bodies.body(frame, u64::MAX)?)
-                        .map_err(|_| malformed(bodies, frame, "message index"))?;
+                        .map_err(|_| malformed(bodies, frame, RecordKind::MessageIndex))?;
                     *chunk.indexed.entry(index.channel_id).or_default() +=
                         index.records.len() as u64;
                     chunk.index_offsets.insert(index.channel_id, frame.offset);
@@ -223,12 +224,12 @@ impl Collector {
             }
             op::ATTACHMENT => {
                 let index = attachment_index(bodies, frame)?
-                    .ok_or_else(|| malformed(bodies, frame, "attachment"))?;
+                    .ok_or_else(|| malformed(bodies, frame, RecordKind::Attachment))?;
                 self.contents.attachments.push(Raw::new(index));
             }
             op::METADATA => {
                 let metadata: Metadata = parse(bodies.body(frame, u64::MAX)?)
-                    .map_err(|_| malformed(bodies, frame, "metadata record"))?;
+                    .map_err(|_| malformed(bodies, frame, RecordKind::Metadata))?;
                 self.contents.metadata.push(Raw::new(MetadataIndex {
                     offset: frame.offset,
                     length: frame.end() - frame.offset,
@@ -271,31 +272,30 @@ impl Collector {
         *run.message_counts.entry(channel_id).or_default() += 1;
     }
 
-    /// Takes what a chunk holds; the error says in words what is wrong with it.
+    /// Takes what a chunk holds.
     fn chunk(
         &mut self,
         frame: &Frame,
         body: &[u8],
         mut visit: impl FnMut(&Definitions, &RawMessage, &[u8]),
-    ) -> Result<OpenChunk, String> {
-        let malformed = || "the chunk there holds a record that breaks off".to_owned();
-        let (header, records) = (self.chunks.records(body)).map_err(|fault| fault.describe())?;
+    ) -> Result<OpenChunk, Damage> {
+        let (header, records) = self.chunks.records(body)?;
         let definitions = &mut self.contents.definitions;
         let mut times = None;
         let mut message_counts = BTreeMap::new();
         for record in records {
-            let record = record.map_err(|_| malformed())?;
+            let record = record.map_err(|_| Damage::Torn)?;
             match record.opcode {
                 op::SCHEMA | op::CHANNEL => {
                     let opcode = record.opcode;
                     let added = definitions.add(opcode, record.body);
-                    if let Some(id) = added.ok_or_else(malformed)? {
+                    if let Some(id) = added.ok_or(Damage::Torn)? {
                         let chunk = frame.offset;
                         (self.defined_in_chunks).push(DefinedInChunk { chunk, opcode, id });
                     }
                 }
                 op::MESSAGE => {
-                    let message = RawMessage::parse(record.body).ok_or_else(malformed)?;
+                    let message = RawMessage::parse(record.body).ok_or(Damage::Torn)?;
                     times = widen(times, message.log_time);
                     *message_counts.entry(message.channel_id).or_default() += 1;
                     visit(definitions, &message, record.body);
@@ -361,14 +361,14 @@ fn widen(times: Option<(u64, u64)>, time: u64) -> Option<(u64, u64)> {
 }
 
 /// The error for a record whose body is not what it should be.
-fn malformed(bodies: &impl Bodies, frame: &Frame, what: &str) -> Error {
-    bodies.corrupt(frame.offset, format!("the {what} there cannot be read"))
+fn malformed(bodies: &impl Bodies, frame: &Frame, kind: RecordKind) -> ReadError {
+    bodies.damaged(frame.offset, Damage::Malformed(kind))
 }
 
 fn attachment_index(
     bodies: &mut impl Bodies,
     frame: &Frame,
-) -> Result<Option<AttachmentIndex>, Error> {
+) -> Result<Option<AttachmentIndex>, ReadError> {
     for most in [ATTACHMENT_HEADER, u64::MAX] {
         let body = bodies.body(frame, most)?;
         let Ok(header) = parse::<AttachmentHeader>(body) else {

@@ -8,12 +8,12 @@ use super::{
     Log,
     chunk::ChunkReader,
     contents::{Segment, SegmentKind},
+    error::{Damage, ReadError},
     file::LogFile,
     index::new_message_indexes,
     picker::Picker,
     record::{RawMessage, Records},
 };
-use crate::error::Error;
 
 /// Reads the messages of one segment after the other, reusing its buffers.
 pub struct SegmentReader<'a> {
@@ -46,7 +46,7 @@ impl<'a> SegmentReader<'a> {
         &mut self,
         segment: &Segment,
         wanted: &BTreeSet<u16>,
-    ) -> Result<impl Iterator<Item = Result<RawMessage<'_>, Error>>, Error> {
+    ) -> Result<impl Iterator<Item = Result<RawMessage<'_>, ReadError>>, ReadError> {
         let file = self.file;
         let Segment { offset, length, .. } = *segment;
         let records = match self.picker.pick(file, segment, wanted)? {
@@ -70,7 +70,7 @@ impl<'a> SegmentReader<'a> {
     ///
     /// # Errors
     /// The chunk cannot be read or is damaged.
-    pub fn message_indexes(&mut self, chunk: &Segment) -> Result<Vec<MessageIndex>, Error> {
+    pub fn message_indexes(&mut self, chunk: &Segment) -> Result<Vec<MessageIndex>, ReadError> {
         let (_, records) = self.chunks.read(self.file, chunk.offset, chunk.length)?;
         let mut entries: BTreeMap<u16, Vec<MessageIndexEntry>> = BTreeMap::new();
         for message in messages(self.file, chunk.offset, records) {
@@ -88,8 +88,8 @@ fn messages<'a>(
     file: &'a LogFile,
     start: u64,
     records: Records<'a>,
-) -> impl Iterator<Item = Result<(u64, RawMessage<'a>), Error>> {
-    let malformed = move || file.corrupt(start, "what starts there holds a record that breaks off");
+) -> impl Iterator<Item = Result<(u64, RawMessage<'a>), ReadError>> {
+    let malformed = move || file.damaged(start, Damage::Torn);
     records.filter_map(move |record| match record {
         Ok(record) if record.opcode == op::MESSAGE => Some(
             RawMessage::parse(record.body)

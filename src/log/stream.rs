@@ -18,11 +18,11 @@ use super::{
     Log, Stop,
     chunk::MAX_RECORD,
     contents::Definitions,
+    error::ReadError,
     record::RawMessage,
     scan::{Bodies, Collector},
     summary::{DATA_END_LENGTH, Ending},
 };
-use crate::error::Error;
 use followed::Followed;
 use pipe::Pipe;
 
@@ -72,7 +72,7 @@ pub fn pass_through(
     input: Named<impl Read>,
     output: Named<impl Write>,
     follow: impl FnMut(Passing) -> bool,
-) -> Result<Streamed, Error> {
+) -> Result<Streamed, ReadError> {
     let name = input.name;
     let mut pipe = Pipe::new(input, output)?;
     let header = pipe.pass_on_header()?;

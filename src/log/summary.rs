@@ -6,11 +6,11 @@ use mcap::records::{AttachmentIndex, ChunkIndex, Footer, MetadataIndex, Statisti
 
 use super::{
     contents::{Contents, Definitions, Segment, SegmentKind},
+    error::ReadError,
     file::LogFile,
     record::{FRAME_LENGTH, Raw, Records, parse, split_frame},
     scan::{Collector, DefinedInChunk, Step, Walker},
 };
-use crate::error::Error;
 
 /// Bytes of a footer record's body: where the summary and its offsets start, and a checksum.
 const FOOTER_LENGTH: usize = 8 + 8 + 4;
@@ -46,7 +46,7 @@ pub struct Summary {
 impl Ending {
     /// Reads the end of the file; `None` where it does not end as a log does that was closed, with a data section
     /// that goes on to `earliest` at least.
-    pub fn read(file: &LogFile, earliest: u64) -> Result<Option<Self>, Error> {
+    pub fn read(file: &LogFile, earliest: u64) -> Result<Option<Self>, ReadError> {
         let tail = (FRAME_LENGTH + FOOTER_LENGTH + mcap::MAGIC.len()) as u64;
         let Some(footer_offset) = file.length().checked_sub(tail) else {
             return Ok(None);
@@ -127,7 +127,11 @@ impl Summary {
     ///
     /// A chunk whose index is complete is not opened: how many messages of which channels it has follows from
     /// the lengths of its message indexes.
-    pub fn account_for(&self, file: &LogFile, data_end: u64) -> Result<Option<Contents>, Error> {
+    pub fn account_for(
+        &self,
+        file: &LogFile,
+        data_end: u64,
+    ) -> Result<Option<Contents>, ReadError> {
         if self.statistics.is_none() {
             return Ok(None);
         }
@@ -241,7 +245,12 @@ fn agree(statistics: &Statistics, contents: &Contents) -> bool {
 }
 
 /// Collects the records from `start` to `end`; false where they break off.
-fn collect(collector: &mut Collector, file: &LogFile, start: u64, end: u64) -> Result<bool, Error> {
+fn collect(
+    collector: &mut Collector,
+    file: &LogFile,
+    start: u64,
+    end: u64,
+) -> Result<bool, ReadError> {
     let mut walker = Walker::new(file, start, end);
     loop {
         match walker.step()? {

@@ -2,8 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Log, SegmentReader, index::message_index};
-use crate::error::Error;
+use super::{Log, SegmentReader, error::ReadError, index::message_index};
 
 impl Log {
     /// The log times of the messages of some channels, by channel id, each channel's in order. A chunk is opened
@@ -14,7 +13,7 @@ impl Log {
     pub fn message_times(
         &self,
         channel_ids: &BTreeSet<u16>,
-    ) -> Result<BTreeMap<u16, Vec<u64>>, Error> {
+    ) -> Result<BTreeMap<u16, Vec<u64>>, ReadError> {
         let mut times: BTreeMap<u16, Vec<u64>> = BTreeMap::new();
         let mut segments = SegmentReader::new(self);
         for segment in &self.contents.segments {

@@ -8,7 +8,7 @@ use std::{
 
 use super::Part;
 use crate::{
-    error::Error,
+    log::ReadError,
     sample::{Kind, Sample},
 };
 
@@ -59,11 +59,11 @@ impl Eq for Run {}
 /// Gives all samples to `take` in order, each with how many bytes were read by then. The n-th of `runs` has those of
 /// the n-th part, in the order of their times and kinds; it is asked for when all samples before its part's start were
 /// taken.
-pub fn merge(
+pub fn merge<E: From<ReadError>>(
     parts: &[Part],
-    runs: impl Iterator<Item = Result<Vec<Sample>, Error>>,
-    mut take: impl FnMut(Sample, u64) -> Result<(), Error>,
-) -> Result<(), Error> {
+    runs: impl Iterator<Item = Result<Vec<Sample>, ReadError>>,
+    mut take: impl FnMut(Sample, u64) -> Result<(), E>,
+) -> Result<(), E> {
     let mut held = BinaryHeap::new();
     let mut bytes_read = 0;
     let starts = parts

@@ -9,8 +9,7 @@ use std::{
 
 use super::{Part, merge::merge};
 use crate::{
-    error::Error,
-    log::{Log, SegmentReader},
+    log::{Damage, Log, ReadError, SegmentReader},
     sample::{Sample, Tallies},
     source::Source,
 };
@@ -42,19 +41,17 @@ impl<'a> Worker<'a> {
     }
 
     /// The samples of a part by their time, kind, and order in the file.
-    fn read(&mut self, part: &Part) -> Result<Vec<Sample>, Error> {
+    fn read(&mut self, part: &Part) -> Result<Vec<Sample>, ReadError> {
         let &Part { start, segment } = part;
         let mut samples = Vec::new();
         for message in self.segments.read(segment, &self.wanted)? {
             let message = message?;
             if message.log_time < start {
-                return Err(self.log.file.corrupt(
-                    segment.offset,
-                    format!(
-                        "the chunk there has a message at {}, but its index says that it starts at {start}",
-                        message.log_time
-                    ),
-                ));
+                let damage = Damage::EarlierThanIndexed {
+                    message: message.log_time,
+                    index: start,
+                };
+                return Err(self.log.file.damaged(segment.offset, damage));
             }
             self.source.read(&message, |kind, sample| match sample {
                 Ok(sample) => samples.push(sample),
@@ -80,12 +77,12 @@ fn worthwhile_workers(parts: &[Part]) -> usize {
 ///
 /// The workers read the parts in turn, and each goes on when its samples were taken over. So each has those of one part
 /// at most, and an error is that of the first part that has one, whoever is faster.
-pub fn read(
+pub fn read<E: From<ReadError>>(
     log: &Log,
     mut source: Source,
     parts: &[Part],
-    take: impl FnMut(Sample, u64) -> Result<(), Error>,
-) -> Result<(Source, Tallies), Error> {
+    take: impl FnMut(Sample, u64) -> Result<(), E>,
+) -> Result<(Source, Tallies), E> {
     let count = worthwhile_workers(parts);
     if count == 1 {
         let mut worker = Worker::new(log, source);

@@ -164,7 +164,7 @@ impl<'a> Finder<'a> {
                         Err(reason) => misfit = misfit.or(Some(reason)),
                     }
                 }
-                Err(SchemaError::Unreadable(error)) => return Err(error),
+                Err(SchemaError::Unreadable(error)) => return Err(error.into()),
                 Err(unresolved) if unresolved.is_opaque() => {
                     opaque = opaque.or(Some((topic, unresolved)));
                 }
@@ -294,7 +294,7 @@ impl<'a> Finder<'a> {
                         let topic = topic.to_owned();
                         return Ok(Ok(RoleSource { topic, fields }));
                     }
-                    Err(SchemaError::Unreadable(error)) => return Err(error),
+                    Err(SchemaError::Unreadable(error)) => return Err(error.into()),
                     // An alternative for another type of message says nothing of this one.
                     Err(SchemaError::OtherType { .. }) => {}
                     Err(unresolved) => {
@@ -411,7 +411,7 @@ impl<'a> Finder<'a> {
             channels.insert(
                 channel.id,
                 source.map_err(|unresolved| match unresolved {
-                    SchemaError::Unreadable(error) => error,
+                    SchemaError::Unreadable(error) => error.into(),
                     other => Error::ProfileDoesNotFit {
                         path: self.log.file.path().into(),
                         profile: profile.name.clone(),

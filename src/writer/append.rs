@@ -1,21 +1,15 @@
 //! Appending to a log: new messages, provenance, the original's end, summary.
 
-use std::{
-    borrow::Cow,
-    collections::BTreeMap,
-    io::{self, Write},
-    path::PathBuf,
-};
+use std::{borrow::Cow, collections::BTreeMap, io::Write, path::PathBuf};
 
 use mcap::records::AttachmentHeader;
 
 use super::{
-    Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, original, provenance,
-    section::Section, summary,
+    Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, error::WriteError, original,
+    provenance, section::Section, summary,
 };
 use crate::{
     derived::Derived,
-    error::Error,
     log::{
         Log, SegmentReader,
         contents::{Contents, SegmentKind},
@@ -43,10 +37,10 @@ impl<'a, W: Write> Appender<'a, W> {
     ///
     /// # Errors
     /// The output cannot be written, or the log cannot be read.
-    pub fn begin(log: &'a Log, out: W, path: PathBuf, format: Format) -> Result<Self, Error> {
+    pub fn begin(log: &'a Log, out: W, path: PathBuf, format: Format) -> Result<Self, WriteError> {
         let section = Section::new(out, log.data_end, log.data_crc);
         let mut appender = Self {
-            section: section.map_err(|source| write_error(&path, source))?,
+            section: section.map_err(|source| WriteError::output(&path, source))?,
             tail: original::encode(log)?,
             log,
             path,
@@ -62,7 +56,7 @@ impl<'a, W: Write> Appender<'a, W> {
 }
 
 impl<W: Write> LogWriter for Appender<'_, W> {
-    fn write(&mut self, derived: &Derived) -> Result<(), Error> {
+    fn write(&mut self, derived: &Derived) -> Result<(), WriteError> {
         self.channels
             .push(derived, &mut self.batch, &mut self.section.added)?;
         match self.batch.is_full() {
@@ -71,7 +65,7 @@ impl<W: Write> LogWriter for Appender<'_, W> {
         }
     }
 
-    fn finish(mut self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, Error> {
+    fn finish(mut self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, WriteError> {
         self.write_batch()?;
         let messages = self.channels.messages();
         let Self {
@@ -95,7 +89,7 @@ impl<W: Write> LogWriter for Appender<'_, W> {
             .write_metadata(&record)
             .and_then(|()| section.write_attachment(attachment, &tail))
             .and_then(|()| section.finish(|added, start| summary::encode(&contents, added, start)))
-            .map_err(|source| write_error(&path, source))?;
+            .map_err(|source| WriteError::output(&path, source))?;
         Ok(Written {
             messages,
             times: added.times,
@@ -107,18 +101,18 @@ impl<W: Write> LogWriter for Appender<'_, W> {
 }
 
 impl<W: Write> Appender<'_, W> {
-    fn write_batch(&mut self) -> Result<(), Error> {
+    fn write_batch(&mut self) -> Result<(), WriteError> {
         let (section, batch) = (&mut self.section, &mut self.batch);
         // A chunk index would hide the messages that lie outside chunks.
         let written = match self.log.contents.has_loose_messages() {
             false => section.write_chunk(batch),
             true => section.write_loose(batch),
         };
-        written.map_err(|source| write_error(&self.path, source))
+        written.map_err(|source| WriteError::output(&self.path, source))
     }
 
     /// Writes the message indexes that the log's chunks lack, without which a seeking reader refuses a chunk.
-    fn write_missing_indexes(&mut self) -> Result<(), Error> {
+    fn write_missing_indexes(&mut self) -> Result<(), WriteError> {
         let mut reader = SegmentReader::new(self.log);
         for (number, segment) in self.log.contents.segments.iter().enumerate() {
             if let SegmentKind::Chunk {
@@ -131,7 +125,7 @@ impl<W: Write> Appender<'_, W> {
                 let position = self.section.position();
                 let bytes = summary::encode_message_indexes(&mut index, indexes, position);
                 let written = self.section.write(&bytes);
-                written.map_err(|source| write_error(&self.path, source))?;
+                written.map_err(|source| WriteError::output(&self.path, source))?;
                 self.contents.to_mut().segments[number].kind = SegmentKind::Chunk {
                     index,
                     is_indexed: true,
@@ -140,8 +134,4 @@ impl<W: Write> Appender<'_, W> {
         }
         Ok(())
     }
-}
-
-pub(super) fn write_error(path: &std::path::Path, source: io::Error) -> Error {
-    Error::io("cannot write the output", path, source)
 }

@@ -5,10 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use binrw::BinWrite;
 use mcap::records::{Channel, MessageHeader, SchemaHeader, op};
 
-use super::{chunk::Batch, section::Added};
+use super::{
+    chunk::Batch,
+    error::{IdKind, WriteError},
+    section::Added,
+};
 use crate::{
     derived::{Derived, Quantity},
-    error::Error,
     log::{Log, record::serialize},
     messages::{Format, MessageDefinition},
 };
@@ -61,7 +64,7 @@ impl<'a> NewChannels<'a> {
         derived: &Derived,
         batch: &mut Batch,
         added: &mut Added,
-    ) -> Result<(), Error> {
+    ) -> Result<(), WriteError> {
         let quantity = derived.quantity();
         if !self.channels.contains_key(&quantity) {
             let id = self.add(quantity, batch, added)?;
@@ -91,11 +94,11 @@ impl<'a> NewChannels<'a> {
         quantity: Quantity,
         batch: &mut Batch,
         added: &mut Added,
-    ) -> Result<u16, Error> {
+    ) -> Result<u16, WriteError> {
         let encoding = self.format.encoding;
         let schema_id = self.schema(&encoding.schema(quantity), batch, added)?;
         let id = take_free_id(&mut self.channel_ids, 0);
-        let id = id.ok_or_else(|| no_free_id(self.log, "channel"))?;
+        let id = id.ok_or_else(|| no_free_id(self.log, IdKind::Channel))?;
         let channel = serialize(&Channel {
             id,
             schema_id,
@@ -115,7 +118,7 @@ impl<'a> NewChannels<'a> {
         schema: &MessageDefinition,
         batch: &mut Batch,
         added: &mut Added,
-    ) -> Result<u16, Error> {
+    ) -> Result<u16, WriteError> {
         if let Some(&id) = self.schemas.get(schema.name) {
             return Ok(id);
         }
@@ -132,7 +135,7 @@ impl<'a> NewChannels<'a> {
             None => {
                 // The schema id 0 means "no schema".
                 let id = take_free_id(&mut self.schema_ids, 1);
-                let id = id.ok_or_else(|| no_free_id(self.log, "schema"))?;
+                let id = id.ok_or_else(|| no_free_id(self.log, IdKind::Schema))?;
                 let body = schema_body(id, schema);
                 batch.push_definition(op::SCHEMA, &body);
                 added.schemas.insert(id, body);
@@ -156,10 +159,10 @@ fn schema_body(id: u16, schema: &MessageDefinition) -> Vec<u8> {
     body
 }
 
-fn no_free_id(log: &Log, what: &'static str) -> Error {
-    Error::NoFreeId {
+fn no_free_id(log: &Log, kind: IdKind) -> WriteError {
+    WriteError::NoFreeId {
         path: log.file.path().into(),
-        what,
+        kind,
     }
 }
 

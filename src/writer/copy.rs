@@ -2,13 +2,11 @@
 
 use std::{
     io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write},
-    ops::Range,
+    ops::{ControlFlow, Range},
 };
 
-use crate::{
-    error::Error,
-    log::{Log, file::LogFile},
-};
+use super::error::WriteError;
+use crate::log::{Log, file::LogFile};
 
 /// How much is copied between two looks at whether to go on.
 const STEP: u64 = 16 * 1024 * 1024;
@@ -23,9 +21,9 @@ const BUFFER: u64 = 1024 * 1024;
 pub fn copy_data(
     log: &Log,
     output: &mut impl Write,
-    failed: impl Fn(io::Error) -> Error,
-    copied: impl FnMut(u64) -> Result<(), Error>,
-) -> Result<(), Error> {
+    failed: impl Fn(io::Error) -> WriteError,
+    copied: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<(), WriteError> {
     copy_range(&log.file, 0..log.data_end, output, failed, copied)
 }
 
@@ -33,15 +31,15 @@ pub fn copy_data(
 /// passing through this program, and without copying them at all where the file system can share them.
 ///
 /// # Errors
-/// `copied`, which is told now and then up to where the bytes are copied, says so; or reading or writing fails,
+/// `copied`, which is called now and then with how far the copy is, breaks it off; or reading or writing fails,
 /// which `failed` makes an error of.
 pub fn copy_range(
     log: &LogFile,
     range: Range<u64>,
     output: &mut impl Write,
-    failed: impl Fn(io::Error) -> Error,
-    mut copied: impl FnMut(u64) -> Result<(), Error>,
-) -> Result<(), Error> {
+    failed: impl Fn(io::Error) -> WriteError,
+    mut copied: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<(), WriteError> {
     let mut input = log.handle();
     input.seek(SeekFrom::Start(range.start)).map_err(&failed)?;
     let mut done = range.start;
@@ -58,7 +56,9 @@ pub fn copy_range(
             }
             copied => copied,
         };
-        copied(done)?;
+        if copied(done).is_break() {
+            return Err(WriteError::Cancelled);
+        }
     }
     Ok(())
 }
@@ -70,9 +70,9 @@ pub fn copy_range(
 pub fn copy_end(
     log: &Log,
     output: &mut impl Write,
-    failed: impl Fn(io::Error) -> Error,
-    mut copied: impl FnMut(u64) -> Result<(), Error>,
-) -> Result<(), Error> {
+    failed: impl Fn(io::Error) -> WriteError,
+    mut copied: impl FnMut(u64) -> ControlFlow<()>,
+) -> Result<(), WriteError> {
     let length = log.file.length();
     let mut piece = Vec::new();
     let mut position = log.data_end;
@@ -81,7 +81,9 @@ pub fn copy_end(
         log.file.read_into(&mut piece, position, step)?;
         output.write_all(&piece).map_err(&failed)?;
         position += step;
-        copied(position)?;
+        if copied(position).is_break() {
+            return Err(WriteError::Cancelled);
+        }
     }
     Ok(())
 }

@@ -11,12 +11,10 @@ use std::{
 
 use tempfile::NamedTempFile;
 
-use crate::{
-    error::Error,
-    log::{
-        journal::{journal_of, sync_folder},
-        locked::grant,
-    },
+use super::error::WriteError;
+use crate::log::{
+    journal::{journal_of, sync_folder},
+    locked::grant,
 };
 
 /// What a new file permits before the user's mask takes away from it.
@@ -37,17 +35,17 @@ impl Destination {
     /// # Errors
     /// Something is there already and may not be overwritten, it is the input itself, its folder does not exist,
     /// or a journal is left there.
-    pub fn new(input: &Path, path: &Path, overwrite: bool) -> Result<Self, Error> {
+    pub fn new(input: &Path, path: &Path, overwrite: bool) -> Result<Self, WriteError> {
         let names_a_folder = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         if path.is_dir() || names_a_folder {
-            return Err(Error::OutputIsFolder { path: path.into() });
+            return Err(WriteError::OutputIsFolder { path: path.into() });
         }
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         };
         if !folder.is_dir() {
-            return Err(Error::NoOutputFolder {
+            return Err(WriteError::NoFolder {
                 path: path.into(),
                 folder,
             });
@@ -56,16 +54,16 @@ impl Destination {
         if let (Ok(input), Ok(output)) = (fs::canonicalize(input), &resolved)
             && input == *output
         {
-            return Err(Error::OutputIsInput { path: path.into() });
+            return Err(WriteError::OutputIsInput { path: path.into() });
         }
         if fs::symlink_metadata(path).is_ok() && !overwrite {
-            return Err(Error::OutputExists { path: path.into() });
+            return Err(WriteError::OutputExists { path: path.into() });
         }
         // Whoever opens the result would take it for the log that was being changed.
         let journal = journal_of(path);
         if journal.exists() {
             let path = path.into();
-            return Err(Error::JournalInTheWay { path, journal });
+            return Err(WriteError::JournalInTheWay { path, journal });
         }
         Ok(Self {
             path: path.into(),
@@ -81,7 +79,7 @@ impl Destination {
 
     /// Starts the file, under a temporary name in the same folder, with these permissions, or those that any new
     /// file gets.
-    pub(crate) fn create(&self, permissions: Option<Permissions>) -> Result<Pending, Error> {
+    pub(crate) fn create(&self, permissions: Option<Permissions>) -> Result<Pending, WriteError> {
         let mut prefix = OsString::from(".");
         prefix.push(self.path.file_name().unwrap_or_default());
         prefix.push(".");
@@ -95,11 +93,9 @@ impl Destination {
                 Some(permissions) => grant(file.as_file(), permissions).map(|()| file),
                 None => Ok(file),
             })
-            .map_err(|source| {
-                self.error(
-                    "cannot create a file in the output's folder (choose another with -o)",
-                    source,
-                )
+            .map_err(|source| WriteError::CannotCreate {
+                path: self.path.clone(),
+                source,
             })?;
         Ok(Pending {
             file,
@@ -108,12 +104,8 @@ impl Destination {
     }
 
     /// The error for an output that cannot be written.
-    pub(crate) fn write_error(&self, source: io::Error) -> Error {
-        self.error("cannot write the output", source)
-    }
-
-    fn error(&self, action: &'static str, source: io::Error) -> Error {
-        Error::io(action, &self.path, source)
+    pub(crate) fn write_error(&self, source: io::Error) -> WriteError {
+        WriteError::output(&self.path, source)
     }
 }
 
@@ -133,7 +125,7 @@ impl Pending {
     ///
     /// # Errors
     /// Something has come to be there meanwhile that may not be overwritten, or the disk fails.
-    pub fn commit(self) -> Result<(), Error> {
+    pub fn commit(self) -> Result<(), WriteError> {
         let Self { file, destination } = self;
         let failed = |source| destination.write_error(source);
         file.as_file().sync_all().map_err(failed)?;
@@ -143,7 +135,7 @@ impl Pending {
             file.persist_noclobber(&destination.path)
         };
         persisted.map_err(|error| match error.error.kind() {
-            ErrorKind::AlreadyExists => Error::OutputExists {
+            ErrorKind::AlreadyExists => WriteError::OutputExists {
                 path: destination.path.clone(),
             },
             _ => failed(error.error),

@@ -8,7 +8,7 @@
 use std::{
     collections::BTreeMap,
     io::{self, Write},
-    ops::Range,
+    ops::{ControlFlow, Range},
     path::PathBuf,
 };
 
@@ -16,14 +16,13 @@ use crc32fast::Hasher;
 use mcap::records::ChunkIndex;
 
 use super::{
-    Layout, LogWriter, Written, append::write_error, channels::NewChannels, chunk::Batch,
-    provenance, section::Section, summary,
+    Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, error::WriteError, provenance,
+    section::Section, summary,
 };
 use crate::{
     derived::Derived,
-    error::Error,
     log::{
-        Log, SegmentReader,
+        Damage, Log, SegmentReader,
         contents::{Contents, Segment, SegmentKind},
         record::{Raw, RawMessage, Records},
     },
@@ -51,8 +50,8 @@ pub struct Interleaver<'a, W> {
     on_copied: OnCopied<'a>,
 }
 
-/// Is told up to where the log is written, and says whether to go on.
-pub type OnCopied<'a> = Box<dyn FnMut(u64) -> Result<(), Error> + Send + 'a>;
+/// Is called with how many of the log's bytes are written, and says whether to go on.
+pub type OnCopied<'a> = Box<dyn FnMut(u64) -> ControlFlow<()> + Send + 'a>;
 
 impl<'a, W: Write> Interleaver<'a, W> {
     /// Begins a log in `out`. The new messages will be in the `format`; errors call what is written to `path`.
@@ -65,10 +64,10 @@ impl<'a, W: Write> Interleaver<'a, W> {
         path: PathBuf,
         format: Format,
         on_copied: OnCopied<'a>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self, WriteError> {
         let section = Section::new(out, 0, log.data_crc.map(|_| 0));
         Ok(Self {
-            section: section.map_err(|source| write_error(&path, source))?,
+            section: section.map_err(|source| WriteError::output(&path, source))?,
             path,
             channels: NewChannels::new(log, format),
             batch: Batch::default(),
@@ -85,7 +84,7 @@ impl<'a, W: Write> Interleaver<'a, W> {
 }
 
 impl<W: Write> LogWriter for Interleaver<'_, W> {
-    fn write(&mut self, derived: &Derived) -> Result<(), Error> {
+    fn write(&mut self, derived: &Derived) -> Result<(), WriteError> {
         while let Some(&start) = self.starts.get(self.written)
             && start <= derived.stamp.log_time
         {
@@ -100,7 +99,7 @@ impl<W: Write> LogWriter for Interleaver<'_, W> {
         }
     }
 
-    fn finish(mut self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, Error> {
+    fn finish(mut self: Box<Self>, facts: BTreeMap<String, String>) -> Result<Written, WriteError> {
         self.write_batch()?;
         while self.written < self.starts.len() {
             self.write_piece()?;
@@ -131,7 +130,7 @@ impl<W: Write> LogWriter for Interleaver<'_, W> {
         let (length, added) = section
             .write_metadata(&record)
             .and_then(|()| section.finish(|added, start| summary::encode(&contents, added, start)))
-            .map_err(|source| write_error(&path, source))?;
+            .map_err(|source| WriteError::output(&path, source))?;
         Ok(Written {
             messages,
             times: added.times,
@@ -143,13 +142,13 @@ impl<W: Write> LogWriter for Interleaver<'_, W> {
 }
 
 impl<W: Write> Interleaver<'_, W> {
-    fn write_batch(&mut self) -> Result<(), Error> {
+    fn write_batch(&mut self) -> Result<(), WriteError> {
         let written = self.section.write_chunk(&mut self.batch);
         written.map_err(|source| self.failed(source))
     }
 
     /// Writes the next piece.
-    fn write_piece(&mut self) -> Result<(), Error> {
+    fn write_piece(&mut self) -> Result<(), WriteError> {
         let segments = &self.log.contents.segments;
         let (number, next) = (self.written.checked_sub(1), segments.get(self.written));
         let end = next.map_or(self.log.data_end, |next| next.offset);
@@ -163,7 +162,7 @@ impl<W: Write> Interleaver<'_, W> {
     }
 
     /// Writes what of a segment cannot stay as it is; gives where that begins which can.
-    fn write_segment(&mut self, number: usize) -> Result<u64, Error> {
+    fn write_segment(&mut self, number: usize) -> Result<u64, WriteError> {
         let segment = &self.log.contents.segments[number];
         let position = self.section.position();
         let end = segment.offset + segment.length;
@@ -198,7 +197,11 @@ impl<W: Write> Interleaver<'_, W> {
     }
 
     /// Writes the message indexes that a chunk lacks, without which a seeking reader refuses it.
-    fn write_indexes(&mut self, chunk: &Segment, index: &mut Raw<ChunkIndex>) -> Result<(), Error> {
+    fn write_indexes(
+        &mut self,
+        chunk: &Segment,
+        index: &mut Raw<ChunkIndex>,
+    ) -> Result<(), WriteError> {
         let indexes = self.reader.message_indexes(chunk)?;
         let position = self.section.position();
         let bytes = summary::encode_message_indexes(index, indexes, position);
@@ -207,13 +210,13 @@ impl<W: Write> Interleaver<'_, W> {
     }
 
     /// Writes messages that lay outside chunks as a chunk.
-    fn gather(&mut self, run: &Segment) -> Result<ChunkIndex, Error> {
+    fn gather(&mut self, run: &Segment) -> Result<ChunkIndex, WriteError> {
         let file = &self.log.file;
         let bytes = file.read(run.offset, run.length)?;
         if let Some(checksum) = &mut self.checksum {
             checksum.update(&bytes);
         }
-        let malformed = || file.corrupt(run.offset, "what starts there is not a run of messages");
+        let malformed = || file.damaged(run.offset, Damage::NotMessages);
         let mut gathered = Batch::default();
         for record in Records::new(&bytes) {
             let body = record.map_err(|_| malformed())?.body;
@@ -222,14 +225,16 @@ impl<W: Write> Interleaver<'_, W> {
         }
         let written = self.section.write_gathered(&gathered);
         let index = written.map_err(|source| self.failed(source))?;
-        (self.on_copied)(run.offset + run.length)?;
+        if (self.on_copied)(run.offset + run.length).is_break() {
+            return Err(WriteError::Cancelled);
+        }
         Ok(index)
     }
 
     /// Takes over bytes of the log as they are.
-    fn copy(&mut self, range: Range<u64>) -> Result<(), Error> {
+    fn copy(&mut self, range: Range<u64>) -> Result<(), WriteError> {
         self.moves.push(range.clone(), self.section.position());
-        let failed = |source| write_error(&self.path, source);
+        let failed = |source| WriteError::output(&self.path, source);
         let copied = |done| (self.on_copied)(done);
         let copied = self.section.copy(&self.log.file, range, failed, copied)?;
         if let (Some(checksum), Some(copied)) = (&mut self.checksum, copied) {
@@ -238,8 +243,8 @@ impl<W: Write> Interleaver<'_, W> {
         Ok(())
     }
 
-    fn failed(&self, source: io::Error) -> Error {
-        write_error(&self.path, source)
+    fn failed(&self, source: io::Error) -> WriteError {
+        WriteError::output(&self.path, source)
     }
 }
 

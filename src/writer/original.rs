@@ -12,11 +12,13 @@ use mcap::records::{AttachmentIndex, Record, op};
 use prost::Message;
 use sha2::{Digest, Sha256};
 
-use super::provenance;
+use super::{
+    error::WriteError,
+    provenance::{self, EarlierRun},
+};
 use crate::{
     derived::Quantity,
-    error::{Error, Lost},
-    log::{Log, prefix::Prefix, record::Records},
+    log::{Damage, Log, ReadError, prefix::Prefix, record::Records},
     messages::v1::OriginalTail,
 };
 
@@ -36,7 +38,22 @@ pub struct Original {
     pub log: Log,
     /// What had been made of it by the run that was undone for it; or why none was, so that the log is what the
     /// file has.
-    pub undone: Result<String, Lost>,
+    pub undone: Result<EarlierRun, Lost>,
+}
+
+/// Why the original log cannot be recovered from a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum Lost {
+    #[error("it has nothing from flightcam")]
+    NotEnriched,
+    #[error("it was written in the interleaved layout, which cannot be undone")]
+    Interleaved,
+    #[error("it came through a pipe, which cannot be undone")]
+    PassedOn,
+    #[error("another program has rewritten it since, or it is damaged")]
+    Rewritten,
 }
 
 impl Original {
@@ -44,7 +61,7 @@ impl Original {
     ///
     /// # Errors
     /// The log cannot be read, or what it carries of its original is none.
-    pub fn of(log: Log) -> Result<Self, Error> {
+    pub fn of(log: Log) -> Result<Self, ReadError> {
         let (message, tail) = match find(&log)? {
             Ok(found) => found,
             Err(lost) => {
@@ -54,13 +71,12 @@ impl Original {
                 });
             }
         };
-        let undone = Ok(provenance::describe(&log)?);
+        let undone = Ok(provenance::earlier_run(&log)?);
         let start = message.data_end;
         let log = Log::read(log.file.with_tail(start, tail, message.tail_length))?;
         // Its data section is taken from the file itself, so the tail must not have a part of that.
         if log.data_end != start {
-            let what = "what is said to be the original's end begins elsewhere";
-            return Err(log.file.corrupt(start, what));
+            return Err(log.file.damaged(start, Damage::MisplacedEnd));
         }
         Ok(Self { log, undone })
     }
@@ -70,17 +86,17 @@ impl Original {
     ///
     /// # Errors
     /// It has one; the error tells whose it is.
-    pub fn check_topics_are_free(&self) -> Result<(), Error> {
+    pub fn check_topics_are_free(&self) -> Result<(), WriteError> {
         let lost = self.undone.as_ref().err().copied();
         provenance::check_topics_are_free(&self.log, lost.unwrap_or(Lost::Rewritten))
     }
 }
 
 /// What the log has behind its data section, and what identifies the data section, ready to be attached.
-pub(super) fn encode(log: &Log) -> Result<Vec<u8>, Error> {
+pub(super) fn encode(log: &Log) -> Result<Vec<u8>, ReadError> {
     let data_end = log.data_end;
     let prefix = Prefix::of(log.file.handle(), data_end)
-        .map_err(|source| Error::io("cannot read", log.file.path(), source))?;
+        .map_err(|source| ReadError::io("cannot read", log.file.path(), source))?;
     let (tail_zstd, tail_sha256) = compress(log, data_end)?;
     let message = OriginalTail {
         data_end,
@@ -96,8 +112,8 @@ pub(super) fn encode(log: &Log) -> Result<Vec<u8>, Error> {
 
 /// The log from `start` on as a zstd frame, and the hash of what was compressed. Piece by piece, because a
 /// recorder that crashed can leave gigabytes of zeros.
-fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), Error> {
-    let failed = |source| Error::io("cannot compress the end of", log.file.path(), source);
+fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), ReadError> {
+    let failed = |source| ReadError::io("cannot compress the end of", log.file.path(), source);
     let mut sha256 = Sha256::new();
     let mut zstd =
         zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL).map_err(failed)?;
@@ -114,7 +130,7 @@ fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), Error> {
 }
 
 /// What a log carries of the original, with the uncompressed tail, or why there is nothing that can be trusted.
-fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, Error> {
+fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, ReadError> {
     let attachments = &log.contents.attachments;
     let mut indexes = attachments.iter().map(|index| &index.record);
     let Some(index) = indexes.rfind(|index| index.name == NAME) else {
@@ -139,19 +155,19 @@ fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, Error> {
         && index.offset.checked_add(index.length) == Some(log.data_end)
         && is_all_ours(log, prefix.length)
         && Prefix::of(log.file.handle(), prefix.length)
-            .map_err(|source| Error::io("cannot read", log.file.path(), source))?
+            .map_err(|source| ReadError::io("cannot read", log.file.path(), source))?
             == prefix;
     if !is_intact {
         return rewritten;
     }
     let file = message.decompress().map_err(|source| {
         let action = "cannot uncompress the original's end into a temporary file";
-        Error::io(action, log.file.path(), source)
+        ReadError::io(action, log.file.path(), source)
     })?;
     Ok(file.map(|file| (message, file)).ok_or(Lost::Rewritten))
 }
 
-fn decode(log: &Log, index: &AttachmentIndex) -> Result<Option<OriginalTail>, Error> {
+fn decode(log: &Log, index: &AttachmentIndex) -> Result<Option<OriginalTail>, ReadError> {
     let record = log.file.read(index.offset, index.length)?;
     let attachment = (Records::new(&record).next())
         .and_then(Result::ok)

@@ -1,14 +1,13 @@
 //! How derived messages were made: a Metadata record that says so, and by which they are recognised.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, fmt};
 
 use mcap::records::Metadata;
 
-use super::Layout;
+use super::{Layout, error::WriteError, original::Lost};
 use crate::{
     derived::Quantity,
-    error::{Error, Lost},
-    log::Log,
+    log::{Log, ReadError},
 };
 
 /// The name of the Metadata record.
@@ -45,7 +44,7 @@ pub(super) fn record(
 ///
 /// # Errors
 /// It has one; the error tells whose it is.
-pub(super) fn check_topics_are_free(log: &Log, lost: Lost) -> Result<(), Error> {
+pub(super) fn check_topics_are_free(log: &Log, lost: Lost) -> Result<(), WriteError> {
     for quantity in Quantity::ALL {
         let mut channels = log
             .contents
@@ -63,38 +62,33 @@ pub(super) fn check_topics_are_free(log: &Log, lost: Lost) -> Result<(), Error> 
         });
         let path = log.file.path().to_owned();
         return Err(match ours {
-            Some(record) => Error::AlreadyEnriched {
+            Some(record) => WriteError::AlreadyEnriched {
                 path,
                 topic: quantity.topic(),
-                made_by: say(record),
+                earlier: Box::new(EarlierRun::of(record)),
                 reason: lost,
             },
-            None => Error::TopicTaken {
+            None => WriteError::TopicTaken {
                 path,
                 topic: quantity.topic(),
-                schema: log
-                    .contents
-                    .schema_of(channel)
-                    .map_or("no schema".to_owned(), |schema| {
-                        format!("schema `{}`", schema.name)
-                    }),
+                schema: (log.contents.schema_of(channel)).map(|schema| schema.name.clone()),
             },
         });
     }
     Ok(())
 }
 
-/// How a log was made by flightcam, in words.
+/// The run of flightcam that made a log.
 ///
 /// # Errors
 /// The log cannot be read.
-pub(super) fn describe(log: &Log) -> Result<String, Error> {
+pub(super) fn earlier_run(log: &Log) -> Result<EarlierRun, ReadError> {
     let records = log.metadata(NAME)?;
-    Ok(records.last().map_or("?".to_owned(), say))
+    Ok(records.last().map(EarlierRun::of).unwrap_or_default())
 }
 
 /// Why a log that has no attachment with the original's end has none.
-pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, Error> {
+pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, ReadError> {
     let records = log.metadata(NAME)?;
     let is_interleaved = |record: &Metadata| {
         record.metadata.get(LAYOUT).map(String::as_str) == Some(Layout::Interleaved.name())
@@ -106,12 +100,38 @@ pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, Error> {
     })
 }
 
-fn say(record: &Metadata) -> String {
-    let get = |key| record.metadata.get(key).map_or("?", String::as_str);
-    format!(
-        "version {}, camera {}, profile {}",
-        get(VERSION),
-        get("camera"),
-        get("profile")
-    )
+/// How an earlier run of flightcam made a log, as its Metadata record says it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct EarlierRun {
+    /// Of flightcam.
+    pub version: Option<String>,
+    /// The camera, in words.
+    pub camera: Option<String>,
+    /// The name of the profile.
+    pub profile: Option<String>,
+}
+
+impl EarlierRun {
+    fn of(record: &Metadata) -> Self {
+        let get = |key| record.metadata.get(key).cloned();
+        Self {
+            version: get(VERSION),
+            camera: get("camera"),
+            profile: get("profile"),
+        }
+    }
+}
+
+impl fmt::Display for EarlierRun {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self {
+            version,
+            camera,
+            profile,
+        } = self;
+        let [version, camera, profile] =
+            [version, camera, profile].map(|fact| fact.as_deref().unwrap_or("?"));
+        write!(f, "version {version}, camera {camera}, profile {profile}")
+    }
 }

@@ -3,7 +3,7 @@
 use std::{
     collections::BTreeMap,
     io::{self, Write},
-    ops::Range,
+    ops::{ControlFlow, Range},
 };
 
 use crc32fast::Hasher;
@@ -12,13 +12,10 @@ use mcap::records::{
     AttachmentHeader, AttachmentIndex, ChunkIndex, DataEnd, Metadata, MetadataIndex, op,
 };
 
-use super::{chunk::Batch, copy::copy_range};
-use crate::{
-    error::Error,
-    log::{
-        file::LogFile,
-        record::{push_record, serialize},
-    },
+use super::{chunk::Batch, copy::copy_range, error::WriteError};
+use crate::log::{
+    file::LogFile,
+    record::{push_record, serialize},
 };
 
 /// What is in memory of a log whose bytes pass through this program.
@@ -91,15 +88,15 @@ impl<W: Write> Section<W> {
     /// have one; if not, the system can copy them by itself.
     ///
     /// # Errors
-    /// `copied`, which is told now and then up to where the bytes are copied, says so; the log cannot be read; or
+    /// `copied`, which is called now and then with how far the copy is, breaks it off; the log cannot be read; or
     /// the output cannot be written, which `failed` makes an error of.
     pub fn copy(
         &mut self,
         log: &LogFile,
         range: Range<u64>,
-        failed: impl Fn(io::Error) -> Error,
-        mut copied: impl FnMut(u64) -> Result<(), Error>,
-    ) -> Result<Option<Hasher>, Error> {
+        failed: impl Fn(io::Error) -> WriteError,
+        mut copied: impl FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<Hasher>, WriteError> {
         let length = range.end - range.start;
         let Some(crc) = &mut self.crc else {
             copy_range(log, range, &mut self.out, failed, copied)?;
@@ -115,7 +112,9 @@ impl<W: Write> Section<W> {
             crc_of_range.update(&piece);
             self.out.write_all(&piece).map_err(&failed)?;
             done += step;
-            copied(done)?;
+            if copied(done).is_break() {
+                return Err(WriteError::Cancelled);
+            }
         }
         crc.combine(&crc_of_range);
         self.position += length;

@@ -143,7 +143,7 @@ fn is_refused(log: impl AsRef<[u8]>, restoring: &str, enriching: &str) {
 #[track_caller]
 fn is_lost(log: impl AsRef<[u8]>) {
     let enriching = format!(
-        "has /camera/relative_rpy from an earlier run of flightcam (… 30° …), which cannot be replaced: {OTHER}; \
+        "has /camera/relative_rpy from an earlier run of flightcam (… 30° …), which cannot be replaced: {OTHER} … \
          enrich the original log instead"
     );
     is_refused(log, OTHER, &enriching);

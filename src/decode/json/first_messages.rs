@@ -7,7 +7,7 @@ use std::{
 
 use serde_json::Value;
 
-use crate::{error::Error, log::Log};
+use crate::log::{Log, ReadError};
 
 /// The first messages of JSON channels.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ impl<'a> FirstMessages<'a> {
     ///
     /// # Errors
     /// The log cannot be read.
-    pub fn of(&self, channel_id: u16) -> Result<&[Value], Error> {
+    pub fn of(&self, channel_id: u16) -> Result<&[Value], ReadError> {
         let (log, messages) = match self {
             Self::OfLog { log, messages } => (log, messages),
             Self::Given(messages) => return Ok(messages),
@@ -57,7 +57,7 @@ impl<'a> FirstMessages<'a> {
     }
 }
 
-fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, Error> {
+fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, ReadError> {
     let channels = log.contents.definitions.channels.values();
     let json: BTreeSet<u16> = channels
         .filter(|channel| channel.record.message_encoding == "json")

@@ -9,14 +9,12 @@ use std::{
 use mcap::records::op;
 
 use super::{Passing, kept::temporary};
-use crate::{
-    error::Error,
-    log::{
-        Log,
-        contents::{Contents, Definitions, Segment, SegmentKind},
-        file::LogFile,
-        record::{RawMessage, push_record},
-    },
+use crate::log::{
+    Log,
+    contents::{Contents, Definitions, Segment, SegmentKind},
+    error::ReadError,
+    file::LogFile,
+    record::{RawMessage, push_record},
 };
 
 /// Writes down the messages that are followed.
@@ -31,7 +29,7 @@ pub struct Followed<F> {
 
 impl<F: FnMut(Passing) -> bool> Followed<F> {
     /// Those that `follow` says.
-    pub fn new(follow: F) -> Result<Self, Error> {
+    pub fn new(follow: F) -> Result<Self, ReadError> {
         Ok(Self {
             follow,
             file: BufWriter::new(tempfile::tempfile().map_err(temporary)?),
@@ -63,7 +61,7 @@ impl<F: FnMut(Passing) -> bool> Followed<F> {
     }
 
     /// Writes down the messages that were taken, which lie in the last of so many segments.
-    pub fn write_to(&mut self, segments: usize) -> Result<(), Error> {
+    pub fn write_to(&mut self, segments: usize) -> Result<(), ReadError> {
         self.lengths.resize(segments, 0);
         if let Some(length) = self.lengths.last_mut() {
             *length += self.messages.len() as u64;
@@ -74,7 +72,7 @@ impl<F: FnMut(Passing) -> bool> Followed<F> {
     }
 
     /// The messages as a log of their own.
-    pub fn finish(self, name: &Path, original: &Log) -> Result<Log, Error> {
+    pub fn finish(self, name: &Path, original: &Log) -> Result<Log, ReadError> {
         let file = self.file.into_inner();
         let file = file.map_err(|error| temporary(error.into_error()))?;
         let file = LogFile::from_file(name, file)?;

@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use crate::{error::Error, log::file::LogFile};
+use crate::log::{error::ReadError, file::LogFile};
 
 /// How much is kept of either end of what was passed on.
 const ENDS: usize = 64 * 1024;
@@ -21,7 +21,7 @@ pub struct Kept {
 }
 
 impl Kept {
-    pub fn new() -> Result<Self, Error> {
+    pub fn new() -> Result<Self, ReadError> {
         Ok(Self {
             file: tempfile::tempfile().map_err(temporary)?,
             head: Vec::new(),
@@ -30,7 +30,7 @@ impl Kept {
     }
 
     /// Keeps bytes that lie at an offset.
-    pub fn write(&mut self, offset: u64, bytes: &[u8]) -> Result<(), Error> {
+    pub fn write(&mut self, offset: u64, bytes: &[u8]) -> Result<(), ReadError> {
         let sought = self.file.seek(SeekFrom::Start(offset));
         sought
             .and_then(|_| self.file.write_all(bytes))
@@ -38,7 +38,7 @@ impl Kept {
     }
 
     /// Forgets all that was written from an offset on.
-    pub fn forget(&mut self, from: u64) -> Result<(), Error> {
+    pub fn forget(&mut self, from: u64) -> Result<(), ReadError> {
         self.file.set_len(from).map_err(temporary)
     }
 
@@ -58,17 +58,17 @@ impl Kept {
     }
 
     /// What is kept so far, for reading.
-    pub fn open(&self, name: &Path) -> Result<LogFile, Error> {
+    pub fn open(&self, name: &Path) -> Result<LogFile, ReadError> {
         LogFile::from_file(name, self.file.try_clone().map_err(temporary)?)
     }
 
     /// Where what is kept ends.
-    pub fn end(&self) -> Result<u64, Error> {
+    pub fn end(&self) -> Result<u64, ReadError> {
         Ok(self.file.metadata().map_err(temporary)?.len())
     }
 
     /// All that was kept of a log whose data section ends there.
-    pub fn finish(mut self, name: &Path, data_end: u64) -> Result<LogFile, Error> {
+    pub fn finish(mut self, name: &Path, data_end: u64) -> Result<LogFile, ReadError> {
         let (head, foot) = (
             std::mem::take(&mut self.head),
             std::mem::take(&mut self.foot),
@@ -80,8 +80,8 @@ impl Kept {
 }
 
 /// The error for a temporary file that cannot be written.
-pub fn temporary(source: io::Error) -> Error {
-    Error::io(
+pub fn temporary(source: io::Error) -> ReadError {
+    ReadError::io(
         "cannot write a temporary file there",
         &std::env::temp_dir(),
         source,

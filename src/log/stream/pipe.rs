@@ -8,15 +8,13 @@ use std::{
 use mcap::records::{Header, op};
 
 use super::{Named, kept::Kept};
-use crate::{
-    error::Error,
-    log::{
-        NO_HEADER, check_magic,
-        chunk::MAX_RECORD,
-        file::LogFile,
-        record::{FRAME_LENGTH, parse, split_frame},
-        scan::{Bodies, Frame},
-    },
+use crate::log::{
+    check_magic,
+    chunk::MAX_RECORD,
+    error::{Damage, ReadError},
+    file::LogFile,
+    record::{FRAME_LENGTH, parse, split_frame},
+    scan::{Bodies, Frame},
 };
 
 /// A longer record is not held in memory while it comes, but in a file.
@@ -43,7 +41,7 @@ pub struct Pipe<'a, R: Read, W: Write> {
 }
 
 impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
-    pub fn new(input: Named<'a, R>, output: Named<'a, W>) -> Result<Self, Error> {
+    pub fn new(input: Named<'a, R>, output: Named<'a, W>) -> Result<Self, ReadError> {
         Ok(Self {
             input: Named {
                 name: input.name,
@@ -67,13 +65,13 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// Reads, checks and passes on what every log starts with.
-    pub fn pass_on_header(&mut self) -> Result<Header, Error> {
+    pub fn pass_on_header(&mut self) -> Result<Header, ReadError> {
         let magic_length = mcap::MAGIC.len() as u64;
         self.read(magic_length)?;
         check_magic(self.input.name, &self.record)?;
         self.position = magic_length;
 
-        let no_header = || Error::corrupt(self.input.name, magic_length, NO_HEADER);
+        let no_header = || ReadError::damaged(self.input.name, magic_length, Damage::NoHeader);
         let frame = self.read_frame()?;
         let frame = frame.filter(|frame| frame.opcode == op::HEADER && !is_long(frame));
         let frame = frame.ok_or_else(no_header)?;
@@ -86,7 +84,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// Reads what the next record starts with; `None` where no record does.
-    pub fn read_frame(&mut self) -> Result<Option<Frame>, Error> {
+    pub fn read_frame(&mut self) -> Result<Option<Frame>, ReadError> {
         self.record.clear();
         self.read(FRAME_LENGTH as u64)?;
         let frame = split_frame(&self.record).filter(|&(opcode, _)| opcode != 0);
@@ -98,7 +96,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// Reads the rest of the record at hand; whether all of it came.
-    pub fn read_body(&mut self, frame: &Frame) -> Result<bool, Error> {
+    pub fn read_body(&mut self, frame: &Frame) -> Result<bool, ReadError> {
         if !is_long(frame) {
             return self.read(frame.length);
         }
@@ -108,7 +106,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// The body of the record at hand, which is whole.
-    pub fn body(&self, frame: &Frame) -> Result<Body<'_>, Error> {
+    pub fn body(&self, frame: &Frame) -> Result<Body<'_>, ReadError> {
         let name = self.input.name;
         Ok(match is_long(frame) {
             false => Body::InMemory {
@@ -123,7 +121,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// Passes on the record at hand, which is whole.
-    pub fn pass_on(&mut self, frame: &Frame) -> Result<(), Error> {
+    pub fn pass_on(&mut self, frame: &Frame) -> Result<(), ReadError> {
         if is_long(frame) {
             let file = self.kept.open(self.input.name)?;
             let mut offset = frame.offset;
@@ -152,7 +150,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
 
     /// Keeps the latest chunk if it is not indexed, else forgets it. No more message indexes follow it, and of what
     /// does nothing was kept yet.
-    pub fn settle_chunk(&mut self, is_indexed: bool) -> Result<(), Error> {
+    pub fn settle_chunk(&mut self, is_indexed: bool) -> Result<(), ReadError> {
         let Some(chunk) = self.chunk.take() else {
             return Ok(());
         };
@@ -164,7 +162,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// Holds back the record at hand, so far as it has come, and all that still comes. Gives all that was kept.
-    pub fn hold_back_the_rest(mut self) -> Result<LogFile, Error> {
+    pub fn hold_back_the_rest(mut self) -> Result<LogFile, ReadError> {
         flush(&mut self.output)?;
         self.kept.write(self.position, &self.record)?;
         let held_back = self.position + self.record.len() as u64;
@@ -175,12 +173,12 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// Reads so many bytes more of the record at hand; whether they came.
-    fn read(&mut self, length: u64) -> Result<bool, Error> {
+    fn read(&mut self, length: u64) -> Result<bool, ReadError> {
         read_up_to(&mut self.input, &mut self.output, &mut self.record, length)
     }
 
     /// Keeps at most so many bytes of the input, which lie at an offset; how many there were.
-    fn hold_back(&mut self, offset: u64, most: u64) -> Result<u64, Error> {
+    fn hold_back(&mut self, offset: u64, most: u64) -> Result<u64, ReadError> {
         let mut held_back = 0;
         let mut piece = Vec::new();
         loop {
@@ -196,14 +194,14 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     }
 
     /// Passes on what is in memory of the record at hand.
-    fn pass_record(&mut self) -> Result<(), Error> {
+    fn pass_record(&mut self) -> Result<(), ReadError> {
         let record = std::mem::take(&mut self.record);
         let passed = self.pass(&record);
         self.record = record;
         passed
     }
 
-    fn pass(&mut self, bytes: &[u8]) -> Result<(), Error> {
+    fn pass(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
         let written = self.output.stream.write_all(bytes);
         written.map_err(|source| cannot_write(self.output.name, source))?;
         self.kept.pass(bytes);
@@ -218,14 +216,12 @@ pub enum Body<'a> {
 }
 
 impl Bodies for Body<'_> {
-    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], Error> {
+    fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], ReadError> {
         let length = frame.length.min(most);
         match self {
             Self::InMemory { bytes, .. } => Ok(&bytes[..length as usize]),
             Self::InFile { file, .. } if length > MAX_RECORD => {
-                let what =
-                    format!("the record there is {length} bytes long; at most 1 GiB is read");
-                Err(file.corrupt(frame.offset, what))
+                Err(file.damaged(frame.offset, Damage::TooLong { length }))
             }
             Self::InFile { file, buffer } => {
                 file.read_into(buffer, frame.body_offset(), length)?;
@@ -234,10 +230,10 @@ impl Bodies for Body<'_> {
         }
     }
 
-    fn corrupt(&self, offset: u64, what: impl Into<String>) -> Error {
+    fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError {
         match self {
-            Self::InMemory { name, .. } => Error::corrupt(name, offset, what),
-            Self::InFile { file, .. } => file.corrupt(offset, what),
+            Self::InMemory { name, .. } => ReadError::damaged(name, offset, damage),
+            Self::InFile { file, .. } => file.damaged(offset, damage),
         }
     }
 }
@@ -248,22 +244,22 @@ fn read_up_to(
     output: &mut Named<BufWriter<impl Write>>,
     bytes: &mut Vec<u8>,
     length: u64,
-) -> Result<bool, Error> {
+) -> Result<bool, ReadError> {
     if (input.stream.buffer().len() as u64) < length {
         flush(output)?;
     }
     let read = input.stream.by_ref().take(length).read_to_end(bytes);
-    let read = read.map_err(|source| Error::io("cannot read", input.name, source))?;
+    let read = read.map_err(|source| ReadError::io("cannot read", input.name, source))?;
     Ok(read as u64 == length)
 }
 
-fn flush(output: &mut Named<BufWriter<impl Write>>) -> Result<(), Error> {
+fn flush(output: &mut Named<BufWriter<impl Write>>) -> Result<(), ReadError> {
     let flushed = output.stream.flush();
     flushed.map_err(|source| cannot_write(output.name, source))
 }
 
-fn cannot_write(name: &Path, source: io::Error) -> Error {
-    Error::io("cannot write", name, source)
+fn cannot_write(name: &Path, source: io::Error) -> ReadError {
+    ReadError::io("cannot write", name, source)
 }
 
 /// Whether a record is held in a file.

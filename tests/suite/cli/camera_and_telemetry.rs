@@ -168,15 +168,15 @@ mod a_mount {
             ("--mount 0,nan,0", "--mount … out of range"),
             (
                 "--depression 30 --mount 5,0,0",
-                "--mount with roll or pitch contradicts --depression … only the yaw",
+                "mount with roll or pitch contradicts a depression angle … --depression … only the yaw (--mount",
             ),
             (
                 "--depression 30 --mount 0,-30,0",
-                "--mount with roll or pitch contradicts --depression",
+                "mount with roll or pitch contradicts a depression angle … --depression … --mount",
             ),
             (
                 "--mount 0,-30,0 --gimbal /drone/state.pitch:radians",
-                "--mount contradicts --gimbal … leave one of them out",
+                "mount contradicts a gimbal … leave out --mount or --gimbal",
             ),
         ] {
             folder.refuses(&format!("enrich {LOG} {arguments}"), 2, message);
@@ -186,8 +186,7 @@ mod a_mount {
 
 #[test]
 fn without_any_camera_the_ways_to_tell_it_are_explained() {
-    let message =
-        "--depression DEG is missing … --depression 30 … -30° … --mount ROLL,PITCH,YAW … --gimbal";
+    let message = "does not say where the camera looks … --depression DEG … --depression 30 … -30° … --mount ROLL,PITCH,YAW … --gimbal";
     Folder::with(LOG, log(&[flat()])).refuses(&format!("enrich {LOG}"), 2, message);
 }
 

@@ -198,7 +198,7 @@ fn a_profile_that_is_none_is_refused_with_the_place_and_the_choice() {
 
 #[test]
 fn a_missing_depression_is_explained_by_examples() {
-    let message = "--depression DEG is missing … optical axis below the horizon … \
+    let message = "does not say where the camera looks … --depression DEG … optical axis below the horizon … \
                    --depression 0 … ahead … \
                    --depression 30 … gimbal pitch of -30° … \
                    --depression 90 … straight down";
@@ -243,11 +243,11 @@ fn an_output_that_cannot_be_is_refused() {
     for (output, message) in [
         (
             "out/x.mcap",
-            "no folder out for the output; create … another output with -o",
+            "no folder out for the output … create … another output with -o",
         ),
         (
             "results",
-            "results: is a folder; name the output's file with -o",
+            "results: is a folder … name the output's file with -o",
         ),
         ("results --force", "results: is a folder"),
         ("new/", "new/: is a folder"),
@@ -273,7 +273,7 @@ fn an_output_folder_that_is_not_writable_is_refused() {
         return println!("skipped: there is no folder that this user may not write to");
     };
     let message = format!(
-        "{locked}/x.mcap: cannot create a file in the output's folder (choose another with -o)"
+        "{locked}/x.mcap: cannot create a file in the output's folder … choose another output with -o"
     );
     folder.refuses(&enrich(&format!("-o {locked}/x.mcap")), 1, &message);
 }

@@ -178,7 +178,8 @@ fn the_camera_is_told_in_words_and_for_scripts() {
         let printed = prints(&flight, arguments, 0).replace("Camera      ", "Camera ");
         assert_reads(&printed, &words);
     }
-    let message = "--mount with roll or pitch contradicts --depression";
+    let message =
+        "mount with roll or pitch contradicts a depression angle … --depression … --mount";
     flight.refuses(
         &format!("inspect {LOG} --depression 3 --mount 1,2,3"),
         2,

@@ -49,7 +49,7 @@ fn run(folder: &Folder, limit: usize, arguments: &str, message: &str) -> Outcome
     }
     assert_reads(
         &err,
-        "flight.mcap: moreover, the log could not be brought back to what it was (… File too large …); when there \
+        "flight.mcap: moreover, the log could not be brought back to what it was (… File too large …) … when there \
          is room again, `flightcam restore` does that",
     );
     // A log that is still whole is given back as one that is not.

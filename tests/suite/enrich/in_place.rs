@@ -20,7 +20,7 @@ const COMMANDS: [&str; 5] = [
 ];
 
 const LOCKED: &str =
-    "flight.mcap: another run of flightcam is using it; try again when that has ended";
+    "flight.mcap: another run of flightcam is using it … try again when that has ended";
 
 #[test]
 fn nobody_meets_a_change_that_is_under_way() {

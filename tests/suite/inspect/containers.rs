@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, io::Cursor};
 
-use flightcam::{Error, Options, inspect::Inspection, sample::Kind};
+use flightcam::{Error, Options, inspect::Inspection, log::ReadError, sample::Kind};
 use mcap::{MessageStream, WriteOptions, records::MessageHeader};
 use serde_json::Value;
 
@@ -76,7 +76,10 @@ fn chunks_without_telemetry_are_not_opened_where_there_is_a_summary() {
     let mut parts = Parts::of(&log);
     parts.summary.clear();
     let error = inspected_with(&parts.join(), &Options::default()).expect_err("it is damaged");
-    assert!(matches!(error, Error::Corrupt { .. }), "{error}");
+    assert!(
+        matches!(error, Error::Read(ReadError::Damaged { .. })),
+        "{error}"
+    );
 }
 
 fn expected_channel(log: &[u8], topic: &str) -> u16 {

@@ -168,7 +168,7 @@ fn the_journal_of_another_log_changes_nothing() {
     let shorter = folder.read(LOG)[..data_end - 1].to_vec();
     let place = folder.path(LOG).canonicalize().expect("the log");
     let message = format!(
-        "error: {LOG}: … {JOURNAL} beside it is left from an interrupted change of another log ({}); put that log \
+        "error: {LOG}: … {JOURNAL} beside it is left from an interrupted change of another log ({}) … put that log \
          back in its place, or remove the journal if that log is lost",
         place.display()
     );

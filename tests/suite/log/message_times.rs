@@ -6,12 +6,9 @@ use std::{
     fs,
 };
 
-use flightcam::{
-    Error,
-    log::{
-        Log,
-        record::{parse, push_record, serialize},
-    },
+use flightcam::log::{
+    Log, ReadError,
+    record::{parse, push_record, serialize},
 };
 use mcap::records::{ChunkIndex, MessageIndex, op};
 use proptest::prelude::*;
@@ -21,7 +18,7 @@ use crate::support::{shapes::any_shape, *};
 type Times = BTreeMap<u16, Vec<u64>>;
 
 /// What the log tells of some channels.
-fn told(log: &[u8], channel_ids: &[u16]) -> Result<Times, Error> {
+fn told(log: &[u8], channel_ids: &[u16]) -> Result<Times, ReadError> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let input = folder.path().join("log.mcap");
     fs::write(&input, log).expect("the log is written");
@@ -193,7 +190,7 @@ fn a_chunk_that_is_needed_and_damaged_is_an_error() {
         }
     }
     let error = told(&parts.join(), &[1]).expect_err("neither index nor chunk");
-    assert!(matches!(error, Error::Corrupt { .. }), "{error}");
+    assert!(matches!(error, ReadError::Damaged { .. }), "{error}");
     let others = told(&parts.join(), &[2]).expect("indexes");
     assert_eq!(others, counted_of_other(&shape));
 }

@@ -9,9 +9,8 @@ use std::{
 };
 
 use flightcam::{
-    Error,
     log::{
-        Log, ScanReason,
+        Log, ReadError, ScanReason,
         record::{Records, push_record, serialize},
         stream::{Named, Streamed, pass_through},
     },
@@ -470,7 +469,9 @@ fn an_output_whose_reader_has_gone_away_is_an_error_that_names_it() {
     let error = pass_through(input, output, |_| true).expect_err("an error");
     let text = error.to_string();
     assert!(text.starts_with("the output: cannot write: "), "{text}");
-    assert!(matches!(error, Error::Io { source, .. } if source.kind() == ErrorKind::BrokenPipe));
+    assert!(
+        matches!(error, ReadError::Io { source, .. } if source.kind() == ErrorKind::BrokenPipe)
+    );
 }
 
 #[test]

@@ -8,7 +8,7 @@ use flightcam::{
     camera::{Camera, Mount},
     derived::{Derived, Value},
     geometry::DepressionAngle,
-    log::Log,
+    log::{Log, ReadError},
     reader::Reader,
     sample::{Position, Sample, Tallies},
     source::{
@@ -50,7 +50,7 @@ pub fn read(log: &[u8], request: &Request) -> Result<Readings, String> {
     let mut samples = Vec::new();
     let read = Reader::new(&log, source).for_each(|sample, _| {
         samples.push(sample);
-        Ok(())
+        Ok::<_, ReadError>(())
     });
     let (_, dropped) = read.map_err(|error| error.to_string())?;
     Ok(Readings {

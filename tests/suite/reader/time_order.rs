@@ -2,7 +2,8 @@
 
 use flightcam::{
     Error,
-    log::Log,
+    camera::CameraError,
+    log::{Log, ReadError},
     reader::Reader,
     sample::{DropReason, Kind},
     source::Source,
@@ -95,7 +96,7 @@ fn what_was_read_grows_to_the_total() {
     let mut progress = Vec::new();
     let outcome = reader.for_each(|_, read| {
         progress.push(read);
-        Ok(())
+        Ok::<_, ReadError>(())
     });
     outcome.expect("a readable log");
     assert!(
@@ -137,7 +138,9 @@ fn of_several_damaged_chunks_the_first_is_the_error_every_time() {
     for _ in 0..20 {
         let (samples, outcome) = read(&log, PROFILE);
         match outcome {
-            Err(Error::Corrupt { offset, .. }) => assert_eq!(offset, first.chunk_start_offset),
+            Err(Error::Read(ReadError::Damaged { offset, .. })) => {
+                assert_eq!(offset, first.chunk_start_offset)
+            }
             other => panic!("{other:?}"),
         }
         assert_eq!(samples, before);
@@ -153,11 +156,11 @@ fn whoever_takes_the_samples_may_stop() {
             let outcome = read_with(&log, PROFILE, |_, _| {
                 taken += 1;
                 match taken == stop {
-                    true => Err(Error::NoCamera),
+                    true => Err(Error::Camera(CameraError::Unknown)),
                     false => Ok(()),
                 }
             });
-            assert!(matches!(outcome, Err(Error::NoCamera)));
+            assert!(matches!(outcome, Err(Error::Camera(CameraError::Unknown))));
             assert_eq!(taken, stop);
         }
     }

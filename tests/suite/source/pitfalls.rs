@@ -2,7 +2,7 @@
 //! fields of no use that spoil those of use.
 
 use flightcam::{
-    log::Log,
+    log::{Log, ReadError},
     reader::Reader,
     sample::{Kind, Sample, Tallies, Velocity},
     source::{
@@ -28,7 +28,7 @@ fn read(topics: &[Topic], request: &Request, kinds: &[Kind]) -> (Vec<Sample>, Ta
     let mut samples = Vec::new();
     let read = Reader::new(&log, source).for_each(|sample, _| {
         samples.push(sample);
-        Ok(())
+        Ok::<_, ReadError>(())
     });
     (samples, read.expect("a readable log").1)
 }

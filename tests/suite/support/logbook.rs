@@ -131,7 +131,7 @@ impl Logbook {
         let mut samples = Vec::new();
         let (_, dropped) = Reader::new(&log, source).for_each(|sample, _| {
             samples.push(sample);
-            Ok(())
+            Ok::<_, Error>(())
         })?;
         Ok((samples, dropped))
     }

@@ -7,9 +7,8 @@ use std::{
 };
 
 use flightcam::{
-    Error,
     log::{
-        Log, SegmentReader,
+        Log, ReadError, SegmentReader,
         contents::{Contents, SegmentKind},
         stream::{Named, Passing, Streamed, pass_through},
     },
@@ -40,7 +39,7 @@ pub fn pipe(
     name: &Path,
     input: impl Read,
     follow: impl FnMut(Passing) -> bool,
-) -> (Vec<u8>, Result<Streamed, Error>) {
+) -> (Vec<u8>, Result<Streamed, ReadError>) {
     let mut output = Vec::new();
     let streamed = pass_through(
         Named {
@@ -70,7 +69,7 @@ pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), 
     let mut samples = Vec::new();
     let read = Reader::new(log, source).for_each(|sample, _| {
         samples.push(format!("{sample:?}"));
-        Ok(())
+        Ok::<_, ReadError>(())
     });
     let (_, dropped) = read.map_err(|error| error.to_string())?;
     samples.push(format!("{dropped:?}"));

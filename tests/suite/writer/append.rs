@@ -4,7 +4,12 @@ use std::ops::ControlFlow;
 
 use flightcam::{
     Error, enrich,
-    log::record::{parse, push_record, serialize},
+    log::{
+        ReadError,
+        record::{parse, push_record, serialize},
+    },
+    run::RunError,
+    writer::{IdKind, WriteError},
 };
 use mcap::{
     Summary,
@@ -39,7 +44,7 @@ fn an_output_that_somebody_else_makes_meanwhile_is_not_overwritten() {
         ControlFlow::Continue(())
     });
     assert!(
-        matches!(error, Err(Error::OutputExists { .. })),
+        matches!(error, Err(Error::Write(WriteError::OutputExists { .. }))),
         "{error:?}"
     );
     assert_eq!(std::fs::read(&output).expect("their file"), b"theirs");
@@ -82,8 +87,9 @@ proptest! {
                 prop_assert!(!report.notes.is_empty());
             }
             // Too little is left of it to derive anything from.
-            Err(Error::Empty { .. } | Error::NotMcap { .. } | Error::Corrupt { .. }
-                | Error::NoTelemetry { .. } | Error::NothingDerived { .. }) => {
+            Err(Error::Read(
+                ReadError::Empty { .. } | ReadError::NotMcap { .. } | ReadError::Damaged { .. },
+            ) | Error::NoTelemetry { .. } | Error::Run(RunError::NothingDerived { .. })) => {
                 let whole = whole_records(torn);
                 let telemetry = stream(whole, true).into_iter().filter(|m| m.topic == TELEMETRY);
                 prop_assert_eq!(telemetry.count(), 0);
@@ -399,7 +405,7 @@ fn damage_in_the_middle_of_a_closed_log_is_not_taken_for_its_end() {
     parts.data_section_crc = 0;
     let offset = whole_length(&parts.data[..middle]);
     match enrich_bytes(&parts.join()) {
-        Err(Error::Corrupt { offset: found, .. }) => assert_eq!(found, offset),
+        Err(Error::Read(ReadError::Damaged { offset: found, .. })) => assert_eq!(found, offset),
         other => panic!("{other:?}"),
     }
 }
@@ -424,10 +430,10 @@ fn a_log_that_uses_every_channel_id_is_refused() {
     assert!(
         matches!(
             error,
-            Error::NoFreeId {
-                what: "channel",
+            Error::Write(WriteError::NoFreeId {
+                kind: IdKind::Channel,
                 ..
-            }
+            })
         ),
         "{error}"
     );

@@ -14,13 +14,15 @@ use std::{
 
 use flightcam::{
     Error, Options, Progress, Report, enrich, enrich_in_place, enrich_to,
-    error::Lost,
     log::{
         record::{push_record, serialize},
         stream::Named,
     },
     messages::{Encoding, EncodingChoice},
-    restore, restore_to, unwatched,
+    restore, restore_to,
+    run::RunError,
+    unwatched,
+    writer::{WriteError, original::Lost},
 };
 use mcap::{
     Attachment, WriteOptions,
@@ -394,13 +396,13 @@ fn there_is_no_way_back_and_it_is_said() {
         let error = refused.expect_err("it is refused");
         assert!(matches!(
             error,
-            Error::NotRestorable {
+            Error::Run(RunError::NotRestorable {
                 reason: Lost::Interleaved,
                 ..
-            } | Error::AlreadyEnriched {
+            }) | Error::Write(WriteError::AlreadyEnriched {
                 reason: Lost::Interleaved,
                 ..
-            }
+            })
         ));
         let text = error.to_string();
         assert!(text.contains(&Lost::Interleaved.to_string()), "{text}");
@@ -416,7 +418,8 @@ fn it_is_not_done_in_place() {
     let log = folder.path().join("log.mcap");
     fs::write(&log, &before).expect("the log is written");
     let error = enrich_in_place(&log, &interleaved(), &mut unwatched).expect_err("it is refused");
-    assert!(error.is_usage(), "{error}");
+    let refused = matches!(error, Error::Run(RunError::InterleavedInPlace));
+    assert!(refused, "{error}");
     assert!(fs::read(&log).expect("the log") == before);
 }
 
@@ -478,7 +481,7 @@ fn progress_comes_to_its_end_and_can_be_stopped_anywhere() {
         });
         let files = fs::read_dir(folder.path()).expect("the folder").count();
         match run {
-            Err(Error::Interrupted { path, .. }) => {
+            Err(Error::Run(RunError::Interrupted { path, .. })) => {
                 assert_eq!(path, output);
                 assert_eq!(files, 1, "nothing is left");
             }

@@ -1,0 +1,133 @@
+//! The way out of an error, in terms of the command line.
+
+use flightcam::{
+    Error,
+    camera::CameraError,
+    log::{ForeignFormat, JournalError, ReadError},
+    run::RunError,
+    writer::WriteError,
+};
+
+const NO_CAMERA: &str = "\
+give --depression DEG, the angle of the camera's optical axis below the horizon
+
+  --depression 0    the camera looks ahead, at the horizon
+  --depression 30   it looks 30° down: a gimbal pitch of -30°
+  --depression 90   it looks straight down (nadir)
+
+The angle is in degrees, greater than -90 and at most 90. For a camera that is bolted to the airframe give --mount \
+ROLL,PITCH,YAW instead; where the log has a gimbal's angles that no profile knows of, --gimbal says where.";
+
+/// What the user can do about an error, if that does not follow from the error itself.
+pub fn hint(error: &Error) -> Option<String> {
+    let hint = match error {
+        Error::Read(error) => of_reading(error)?,
+        Error::Camera(error) => of_the_camera(*error)?,
+        Error::Write(error) => of_writing(error)?,
+        Error::Journal(error) => of_the_journal(error)?,
+        Error::Run(RunError::PassedOn { cause }) => return hint(cause),
+        Error::Run(error) => of_the_run(error)?,
+        _ => return None,
+    };
+    Some(hint.to_owned())
+}
+
+fn of_reading(error: &ReadError) -> Option<&'static str> {
+    Some(match error {
+        ReadError::NotAFile { .. } => "flightcam reads MCAP files",
+        ReadError::Empty { .. } => "was the recording or the download interrupted?",
+        ReadError::NotMcap { format, .. } => match format {
+            Some(ForeignFormat::Ulog) => {
+                "convert it first, for instance by opening it in Foxglove and exporting MCAP"
+            }
+            Some(ForeignFormat::Ros1Bag) => {
+                "convert it first with `mcap convert INPUT OUTPUT.mcap` (https://mcap.dev)"
+            }
+            Some(ForeignFormat::Sqlite) => {
+                "if it is a ROS 2 bag, convert it first with `ros2 bag convert`"
+            }
+            Some(ForeignFormat::DataFlash) => "convert it to MCAP first",
+            _ => "check that it is the log you meant",
+        },
+        ReadError::Damaged { .. } => {
+            "`mcap recover` (https://mcap.dev) saves what can still be read into a new file"
+        }
+        ReadError::Locked { .. } => "try again when that has ended",
+        ReadError::NoLocks { .. } => "write the result to a new file (-o)",
+        ReadError::Journal(error) => return of_the_journal(error),
+        _ => return None,
+    })
+}
+
+fn of_the_journal(error: &JournalError) -> Option<&'static str> {
+    match error {
+        JournalError::Foreign { .. } => {
+            Some("put that log back in its place, or remove the journal if that log is lost")
+        }
+        _ => None,
+    }
+}
+
+fn of_the_camera(error: CameraError) -> Option<&'static str> {
+    Some(match error {
+        CameraError::Unknown => NO_CAMERA,
+        CameraError::TiltedMount => {
+            "with --depression give only the yaw (--mount 0,0,90 looks to the right); without it the camera is \
+             bolted to the airframe"
+        }
+        CameraError::GimbalAndMount => "leave out --mount or --gimbal",
+        _ => return None,
+    })
+}
+
+fn of_writing(error: &WriteError) -> Option<&'static str> {
+    Some(match error {
+        WriteError::NoFreeId { .. } => {
+            "remove a topic that is not needed, for instance with `mcap filter` (https://mcap.dev)"
+        }
+        WriteError::TopicTaken { .. } => {
+            "rename or remove that topic first; it could not be told apart from flightcam's"
+        }
+        WriteError::AlreadyEnriched { .. } => "enrich the original log instead",
+        WriteError::OutputExists { .. } => {
+            "choose another output with -o, or replace it with --force"
+        }
+        WriteError::OutputIsFolder { .. } => "name the output's file with -o",
+        WriteError::OutputIsInput { .. } | WriteError::CannotCreate { .. } => {
+            "choose another output with -o"
+        }
+        WriteError::NoFolder { .. } => "create it, or choose another output with -o",
+        WriteError::JournalInTheWay { .. } => {
+            "recover that log with `flightcam restore`, remove the journal if that log is lost, or choose another \
+             output with -o"
+        }
+        _ => return None,
+    })
+}
+
+fn of_the_run(error: &RunError) -> Option<&'static str> {
+    Some(match error {
+        RunError::NothingDerived { .. } => {
+            "check which topics and fields the profile names (--profile), and --max-gap"
+        }
+        RunError::InterleavedInPlace => {
+            "with --layout interleaved leave out --in-place, and write the result to a new file (-o)"
+        }
+        RunError::InterleavedStream => "leave out --layout interleaved, or give the log as a file",
+        RunError::RollBack { .. } => "when there is room again, `flightcam restore` does that",
+        _ => return None,
+    })
+}
+
+/// Whether what was asked for is wrong, whatever the log holds.
+pub fn is_usage(error: &Error) -> bool {
+    match error {
+        Error::Camera(_)
+        | Error::Write(WriteError::OutputIsInput { .. })
+        | Error::Run(RunError::InterleavedInPlace | RunError::InterleavedStream)
+        | Error::UnknownProfile { .. }
+        | Error::BadProfile { .. } => true,
+        Error::Run(RunError::PassedOn { cause }) => is_usage(cause),
+        _ => false,
+    }
+}

@@ -1,0 +1,216 @@
+//! What can go wrong when a log is opened and read.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+/// Why a log cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
+pub enum ReadError {
+    #[error("{}: {action}: {source}", path.display())]
+    Io {
+        action: &'static str,
+        path: PathBuf,
+        source: io::Error,
+    },
+
+    #[error("{}: not a regular file", path.display())]
+    NotAFile { path: PathBuf },
+
+    #[error("{}: the file is empty", path.display())]
+    Empty { path: PathBuf },
+
+    #[error("{}: not an MCAP file: {}", path.display(), describe(*format))]
+    NotMcap {
+        path: PathBuf,
+        /// What it seems to be instead, if that is known.
+        format: Option<ForeignFormat>,
+    },
+
+    #[error("{}: damaged at byte {offset}: {damage}", path.display())]
+    Damaged {
+        path: PathBuf,
+        offset: u64,
+        damage: Damage,
+    },
+
+    #[error("{}: another run of flightcam is using it", path.display())]
+    Locked { path: PathBuf },
+
+    #[error(
+        "{}: cannot be changed in place, because it cannot be locked against other runs ({source})",
+        path.display()
+    )]
+    NoLocks { path: PathBuf, source: io::Error },
+
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+}
+
+/// Why a log cannot be changed in place, or not be brought back to what it was before a change.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
+pub enum JournalError {
+    #[error("{}: {action}: {source}", path.display())]
+    Io {
+        action: &'static str,
+        path: PathBuf,
+        source: io::Error,
+    },
+
+    #[error(
+        "{}: {} beside it is left from an interrupted change of another log ({of})",
+        path.display(), journal.display()
+    )]
+    Foreign {
+        path: PathBuf,
+        journal: PathBuf,
+        /// Where that log was.
+        of: String,
+    },
+}
+
+/// How a log's bytes differ from what the format says, at the offset that goes with it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
+pub enum Damage {
+    #[error("there should be the header, the log's first record")]
+    NoHeader,
+    #[error("what is there is not a record")]
+    NotARecord,
+    #[error("the {0} there cannot be read")]
+    Malformed(RecordKind),
+    #[error("what starts there holds a record that breaks off")]
+    Torn,
+    #[error("what starts there is not a run of messages")]
+    NotMessages,
+    #[error("the chunk there is unreadable: {0}")]
+    Chunk(#[from] ChunkFault),
+    #[error(
+        "the chunk there has a message at {message}, but its index says that it starts at {index}"
+    )]
+    EarlierThanIndexed {
+        /// The message's log time.
+        message: u64,
+        /// The earliest log time according to the index.
+        index: u64,
+    },
+    #[error("something {length} bytes long is said to be there, but the file is shorter")]
+    BeyondEnd { length: u64 },
+    #[error("{length} bytes do not fit in memory")]
+    OutOfMemory { length: u64 },
+    #[error("the record there is {length} bytes long; at most 1 GiB is read")]
+    TooLong { length: u64 },
+    #[error("what is said to be the original's end begins elsewhere")]
+    MisplacedEnd,
+}
+
+/// A kind of record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum RecordKind {
+    #[error("schema or channel")]
+    Definition,
+    #[error("message")]
+    Message,
+    #[error("message index")]
+    MessageIndex,
+    #[error("attachment")]
+    Attachment,
+    #[error("metadata record")]
+    Metadata,
+}
+
+/// Why a chunk has no readable content.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum ChunkFault {
+    #[error("it is not a whole chunk record")]
+    Malformed,
+    #[error("its compression `{0}` is not supported (zstd, lz4 and none are)")]
+    UnknownCompression(String),
+    #[error("its content cannot be decompressed: {0}")]
+    Decompression(#[from] io::Error),
+    #[error("its content is {found} bytes long and should be {expected}")]
+    Length { expected: u64, found: usize },
+    #[error(
+        "its content does not have the checksum that was recorded ({expected:08x}, not {found:08x})"
+    )]
+    Checksum { expected: u32, found: u32 },
+    #[error("it is said to hold {0} bytes; at most 1 GiB is read")]
+    TooLarge(u64),
+}
+
+/// A format whose files are easily taken for MCAP.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum ForeignFormat {
+    #[error("a PX4 ULog")]
+    Ulog,
+    #[error("a ROS 1 bag")]
+    Ros1Bag,
+    #[error("an SQLite database, perhaps a ROS 2 bag")]
+    Sqlite,
+    #[error("an ArduPilot DataFlash log")]
+    DataFlash,
+}
+
+impl ForeignFormat {
+    /// The format of a file that starts like this.
+    pub(super) fn of(start: &[u8]) -> Option<Self> {
+        let formats: [(&[u8], Self); 4] = [
+            (b"ULog", Self::Ulog),
+            (b"#ROSBAG", Self::Ros1Bag),
+            (b"SQLite ", Self::Sqlite),
+            (&[0xa3, 0x95], Self::DataFlash),
+        ];
+        let known = formats.iter().find(|(magic, _)| start.starts_with(magic));
+        known.map(|(_, format)| *format)
+    }
+}
+
+fn describe(format: Option<ForeignFormat>) -> String {
+    match format {
+        Some(format) => format!("it is {format}"),
+        None => "it does not begin with the magic bytes of one".to_owned(),
+    }
+}
+
+impl ReadError {
+    pub(crate) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        Self::Io {
+            action,
+            path: path.into(),
+            source,
+        }
+    }
+
+    pub(crate) fn damaged(path: &Path, offset: u64, damage: impl Into<Damage>) -> Self {
+        Self::Damaged {
+            path: path.into(),
+            offset,
+            damage: damage.into(),
+        }
+    }
+}
+
+impl JournalError {
+    pub(super) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        Self::Io {
+            action,
+            path: path.into(),
+            source,
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! What can go wrong with a run as a whole.
+
+use std::path::PathBuf;
+
+use crate::{error::Error, log::JournalError, report::MissingTopic, writer::original::Lost};
+
+/// Why a run has no result, beside what was wrong with its input and its output.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
+pub enum RunError {
+    #[error("{}: nothing can be derived from its telemetry{}", path.display(), list(missing))]
+    NothingDerived {
+        path: PathBuf,
+        missing: Vec<MissingTopic>,
+    },
+
+    #[error("{}: cannot be restored: {reason}", path.display())]
+    NotRestorable { path: PathBuf, reason: Lost },
+
+    #[error("the interleaved layout rewrites the whole log, so it cannot be written in place")]
+    InterleavedInPlace,
+
+    #[error(
+        "the interleaved layout needs the log as a file: a chunk of a stream has passed before it is known what \
+         belongs after it"
+    )]
+    InterleavedStream,
+
+    #[error("{cause}\nthe log was passed on as it came, without new channels")]
+    PassedOn { cause: Box<Error> },
+
+    #[error("{}: interrupted; {left}", path.display())]
+    Interrupted { path: PathBuf, left: Left },
+
+    #[error(
+        "{cause}\n{}: moreover, the log could not be brought back to what it was ({rollback})",
+        path.display()
+    )]
+    RollBack {
+        path: PathBuf,
+        cause: Box<Error>,
+        rollback: JournalError,
+    },
+}
+
+/// What an interrupted run leaves behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum Left {
+    #[error("nothing was written")]
+    Nothing,
+    #[error("the log is as it was")]
+    Unchanged,
+    #[error("what was written is not whole")]
+    Incomplete,
+}
+
+fn list(missing: &[MissingTopic]) -> String {
+    let lines = missing.iter();
+    lines
+        .map(|MissingTopic { topic, reason }| format!("\n  {topic}: {reason}"))
+        .collect()
+}

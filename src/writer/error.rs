@@ -1,0 +1,110 @@
+//! What can go wrong when a result is written.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+use super::{original::Lost, provenance::EarlierRun};
+use crate::log::ReadError;
+
+/// Why a result cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
+pub enum WriteError {
+    #[error("{}: {action}: {source}", path.display())]
+    Io {
+        action: &'static str,
+        path: PathBuf,
+        source: io::Error,
+    },
+
+    /// The log that is written anew, or added to, cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+
+    /// Whoever was told how far the copying of the log is wants no more of it.
+    #[error("cancelled")]
+    Cancelled,
+
+    #[error("{}: all {kind} ids of the log are in use, so no topic can be added", path.display())]
+    NoFreeId { path: PathBuf, kind: IdKind },
+
+    #[error(
+        "{}: already has a topic {topic}, which flightcam did not write ({})",
+        path.display(), describe(schema.as_deref())
+    )]
+    TopicTaken {
+        path: PathBuf,
+        topic: &'static str,
+        /// The name of its schema, if it has one.
+        schema: Option<String>,
+    },
+
+    #[error(
+        "{}: has {topic} from an earlier run of flightcam ({earlier}), which cannot be replaced: {reason}",
+        path.display()
+    )]
+    AlreadyEnriched {
+        path: PathBuf,
+        topic: &'static str,
+        earlier: Box<EarlierRun>,
+        /// Why the original cannot be recovered from it.
+        reason: Lost,
+    },
+
+    #[error("{}: exists already", path.display())]
+    OutputExists { path: PathBuf },
+
+    #[error("{}: is a folder", path.display())]
+    OutputIsFolder { path: PathBuf },
+
+    #[error("{}: the output would replace the input", path.display())]
+    OutputIsInput { path: PathBuf },
+
+    #[error("{}: there is no folder {} for the output", path.display(), folder.display())]
+    NoFolder { path: PathBuf, folder: PathBuf },
+
+    #[error("{}: cannot create a file in the output's folder: {source}", path.display())]
+    CannotCreate { path: PathBuf, source: io::Error },
+
+    #[error(
+        "{}: {} beside it is left from an interrupted change of a log of that name",
+        path.display(), journal.display()
+    )]
+    JournalInTheWay { path: PathBuf, journal: PathBuf },
+}
+
+/// What the ids of a log are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum IdKind {
+    #[error("schema")]
+    Schema,
+    #[error("channel")]
+    Channel,
+}
+
+impl WriteError {
+    pub(crate) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        Self::Io {
+            action,
+            path: path.into(),
+            source,
+        }
+    }
+
+    /// The error for an output that cannot be written.
+    pub(crate) fn output(path: &Path, source: io::Error) -> Self {
+        Self::io("cannot write the output", path, source)
+    }
+}
+
+fn describe(schema: Option<&str>) -> String {
+    match schema {
+        Some(name) => format!("schema `{name}`"),
+        None => "no schema".to_owned(),
+    }
+}
