@@ -1,8 +1,11 @@
 //! How fast each stage of a run is, in samples or messages per second, and a whole run, for their shares in it.
 
-#[path = "../tests/suite/support/mod.rs"]
-#[allow(dead_code, unused_imports)]
-mod support;
+#[path = "../tests/suite/support"]
+mod support {
+    pub mod logbook;
+    pub mod ros;
+    pub mod telemetry;
+}
 
 use std::{collections::BTreeMap, hint::black_box, io, path::PathBuf};
 
@@ -22,7 +25,6 @@ use flightcam::{
 };
 use support::{
     logbook::request,
-    options,
     telemetry::{InMemory, Kind, Language, write},
 };
 
@@ -117,10 +119,13 @@ fn samples() -> Vec<Sample> {
     samples
 }
 
+fn depression() -> DepressionAngle {
+    DepressionAngle::from_degrees(30.0).expect("30° is in range")
+}
+
 fn derive(samples: &[Sample]) -> Vec<Derived> {
-    let depression = DepressionAngle::from_degrees(30.0).expect("30° is in range");
     let camera = Camera::Stabilised {
-        depression,
+        depression: depression(),
         yaw_offset: 0.0,
     };
     let mut transform = Transform::new(camera, MaxGap::default());
@@ -143,7 +148,7 @@ fn run(criterion: &mut Criterion) {
         let options = Options {
             telemetry: request(kind.profile()),
             overwrite: true,
-            ..options()
+            ..Options::new(depression())
         };
         group.bench_function(BenchmarkId::new(kind.name(), language), |bencher| {
             bencher.iter(|| {

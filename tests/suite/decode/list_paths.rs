@@ -5,8 +5,9 @@ use proptest::{collection::vec, prelude::*};
 use serde_json::{Value, json};
 
 use crate::support::{
-    logbook::{Found, Logbook, dropped, protobuf_message},
+    logbook::{Logbook, protobuf_message},
     ros::{Types, Wire},
+    small_logs::{Found, dropped},
 };
 
 /// A profile with three fields as the velocity; the attitude is that of a drone that stands still.

@@ -6,8 +6,9 @@ use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::{Value, json};
 
 use crate::support::{
-    logbook::{Found, Logbook, dropped},
+    logbook::Logbook,
     ros::{Types, Wire},
+    small_logs::{Found, dropped},
 };
 
 const TOPIC: &str = "/t";

@@ -4,7 +4,7 @@ use flightcam::source::profile::Profile;
 use prost::Message;
 use prost_reflect::DynamicMessage;
 
-use crate::support::{logbook::*, message::Said};
+use crate::support::{logbook::*, message::Said, small_logs::*};
 
 #[test]
 fn samples_come_in_time_order_whatever_their_order_in_the_file() {

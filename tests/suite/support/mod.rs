@@ -15,6 +15,7 @@ pub mod ros;
 pub mod selecting;
 pub mod shapes;
 pub mod small_disk;
+pub mod small_logs;
 pub mod telemetry;
 pub mod topics;
 

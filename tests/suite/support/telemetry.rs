@@ -22,13 +22,16 @@ pub enum Language {
 }
 
 impl Language {
-    pub const ALL: [Self; 5] = [
-        Self::Protobuf,
-        Self::Json,
-        Self::Ros(Wire::LittleEndian),
-        Self::Ros(Wire::BigEndian),
-        Self::Ros(Wire::Ros1),
-    ];
+    pub const ALL: [Self; 5] = {
+        let [little_endian, big_endian, ros1] = Wire::ALL;
+        [
+            Self::Protobuf,
+            Self::Json,
+            Self::Ros(little_endian),
+            Self::Ros(big_endian),
+            Self::Ros(ros1),
+        ]
+    };
 }
 
 impl fmt::Display for Language {
