@@ -153,7 +153,11 @@ fn run(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new(kind.name(), language), |bencher| {
             bencher.iter(|| {
                 let report = enrich(&input, &output, &options, &mut unwatched).expect("a result");
-                let used = report.attitude.tally.used + report.velocity.tally.used;
+                let used: u64 = report
+                    .samples
+                    .values()
+                    .map(|samples| samples.tally.used)
+                    .sum();
                 assert_eq!(used, 2 * MOMENTS);
             });
         });

@@ -12,6 +12,7 @@ mod progress;
 mod report;
 mod restore;
 mod telemetry;
+mod words;
 
 use std::{
     io::{self, Write},
@@ -20,7 +21,6 @@ use std::{
 
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
 use flightcam::Error;
-use indicatif::HumanCount;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -136,10 +136,4 @@ fn print_result(text: &str) {
 /// Writes a result to standard error, where standard output has something else.
 fn print_aside(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
-}
-
-/// A count of things, with the thing's plural where it is due.
-fn plural(count: u64, thing: &str) -> String {
-    let ending = if count == 1 { "" } else { "s" };
-    format!("{} {thing}{ending}", HumanCount(count))
 }

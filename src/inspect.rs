@@ -1,8 +1,10 @@
-//! What a log has, before anything is written: which telemetry would be used, and what would come of it.
+//! What a log has, before anything is written: which telemetry would be used, and what `enrich` would produce.
 //!
 //! Counts, times and gaps come from the log's summary and the telemetry's message indexes. Messages are read for
 //! two things: which fields those of a JSON topic have, and what share of the telemetry is usable; for the latter
-//! only so many of a long log.
+//! only a part of a long log.
+
+mod first_sample;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -20,18 +22,20 @@ use crate::{
     log::{Log, SegmentReader, contents::Segment},
     messages::Format,
     options::Options,
-    report::{CameraReport, MissingTopic, ProfileReport, RECOVERED, lossy, unread_end},
+    report::{CameraReport, MissingReason, MissingTopic, Note, ProfileReport, lossy},
     run::RunError,
-    sample::{Kind, Position, Sample, Tallies, Tally, Velocity},
+    sample::{Kind, Sample, Tallies, Tally},
     source::{RoleSource, RunnerUp, Source},
     writer::original::Original,
 };
+pub use first_sample::FirstSample;
 
 /// About how many bytes are read at most, to learn what share of the telemetry is usable.
 const MOST_READ: u64 = 64 * 1024 * 1024;
 
 /// What a log has. As JSON it is what scripts read, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Inspection {
     /// The log.
     #[serde(serialize_with = "lossy")]
@@ -53,7 +57,7 @@ pub struct Inspection {
     /// The topics that are not telemetry, by kind.
     pub other_topics: Vec<TopicGroup>,
     /// What the user should know besides.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 /// Why `enrich` would fail. In JSON it is the error's message.
@@ -87,6 +91,7 @@ impl Serialize for Problem {
 
 /// What would be used.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Telemetry {
     /// How the log names it.
     pub profile: ProfileReport,
@@ -94,20 +99,20 @@ pub struct Telemetry {
     pub namespace: String,
     /// The other profiles that were tried, those that fit first.
     pub runners_up: Vec<RunnerUp>,
-    /// How the camera hangs; absent where that has to be told.
+    /// How the camera is mounted; absent where that is not known.
     pub camera: Option<CameraReport>,
     /// Where each kind of sample comes from, or why there is none.
-    pub roles: BTreeMap<Kind, Role>,
+    pub roles: BTreeMap<Kind, RoleReport>,
     /// What `enrich` would write.
     pub would_write: Vec<Planned>,
-    /// What it could not.
+    /// What it could not write.
     pub would_not_write: Vec<MissingTopic>,
 }
 
 /// One kind of sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Role {
+pub enum RoleReport {
     /// There are messages with it.
     Found(Box<FoundRole>),
     /// There are none.
@@ -119,6 +124,7 @@ pub enum Role {
 
 /// The messages that one kind of sample is read from.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct FoundRole {
     /// Their topic.
     pub topic: String,
@@ -143,8 +149,8 @@ pub struct FoundRole {
     pub tally: Tally,
     /// The share of those that were not, 0 to 1.
     pub share_invalid: f64,
-    /// The first usable one that was read, in words.
-    pub first: Option<String>,
+    /// The first usable one that was read.
+    pub first: Option<FirstSample>,
 }
 
 impl FoundRole {
@@ -185,7 +191,7 @@ impl FoundRole {
                 0 => 0.0,
                 read => (read - tally.used) as f64 / read as f64,
             },
-            first: first.map(say),
+            first: first.map(FirstSample::from),
         }
     }
 
@@ -198,6 +204,7 @@ impl FoundRole {
 
 /// A topic that `enrich` would write.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Planned {
     /// Its name.
     pub topic: &'static str,
@@ -211,6 +218,7 @@ pub struct Planned {
 
 /// Topics whose message types belong together.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct TopicGroup {
     /// The package of their message types, or the only type.
     pub schemas: String,
@@ -225,23 +233,23 @@ pub struct TopicGroup {
 /// Looks at a log as [`enrich`](crate::enrich()) would with these options.
 ///
 /// # Errors
-/// The log cannot be read, or the options contradict each other. That the log's telemetry is not found is no error
-/// but what there is to tell.
+/// The log cannot be read, or the options contradict each other. Telemetry that is not found is not an error but a
+/// finding.
 pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
     let original = Original::of(Log::open(input)?)?;
     let mut problem = original.check_topics_are_free().err().map(Error::from);
     let log = original.log;
-    let recovered = log.file.was_recovered().then(|| RECOVERED.to_owned());
-    let enriched = original.undone.ok().map(|earlier| {
-        format!("the log was enriched already ({earlier}); what is said here is of the original")
-    });
-    let notes = [recovered, enriched, unread_end(&log)].into_iter();
-    let mut notes: Vec<String> = notes.flatten().collect();
+    let notes = [
+        Note::on_recovery(&log),
+        (original.undone.ok()).map(|earlier| Note::OriginalInspected { earlier }),
+        Note::on_lost_end(&log),
+    ];
+    let mut notes: Vec<Note> = notes.into_iter().flatten().collect();
     let mut telemetry = None;
     match Source::compare(&log, &options.telemetry) {
         Ok(mut source) => {
             let found = Telemetry::describe(&log, &mut source, options)?;
-            notes.extend(source.suspicion());
+            notes.extend(Note::on_suspicious_angle(&source));
             problem = problem.or_else(|| found.why_nothing(input));
             telemetry = Some(found);
         }
@@ -285,9 +293,9 @@ impl Telemetry {
             let role = match role {
                 Ok(role) => {
                     let (tally, first) = (&sampled.tallies[kind], sampled.first.get(&kind));
-                    Role::Found(Box::new(FoundRole::new(log, role, &times, tally, first)))
+                    RoleReport::Found(Box::new(FoundRole::new(log, role, &times, tally, first)))
                 }
-                Err(reason) => Role::Missing {
+                Err(reason) => RoleReport::Missing {
                     missing: reason.clone(),
                 },
             };
@@ -319,29 +327,35 @@ impl Telemetry {
     }
 
     /// How many messages of a quantity there can be, or why there can be none.
-    fn at_most(&self, quantity: Quantity, camera: Option<Camera>) -> Result<u64, String> {
-        let usable = |kind: Kind, needed: u64| match &self.roles[&kind] {
-            Role::Found(found) if found.usable_at_most() >= needed => Ok(found.usable_at_most()),
-            Role::Found(found) => {
-                let (topic, kind) = (&found.topic, kind.name());
-                let samples = match needed {
-                    1 => format!("a usable {kind} sample"),
-                    _ => format!("{needed} usable {kind} samples"),
-                };
-                let tally = found.tally.describe();
-                Err(format!("it takes {samples}, and {topic} has {tally}"))
-            }
-            Role::Missing { missing } => Err(missing.clone()),
-        };
+    fn at_most(&self, quantity: Quantity, camera: Option<Camera>) -> Result<u64, MissingReason> {
         if camera == Some(Camera::Gimbal) {
-            usable(Kind::Gimbal, 1)?;
+            self.usable(Kind::Gimbal, 1)?;
         }
         match quantity {
-            Quantity::RelativeRpy => Ok(usable(Kind::Attitude, 2)? - 1),
+            Quantity::RelativeRpy => Ok(self.usable(Kind::Attitude, 2)? - 1),
             Quantity::CameraVelocity => {
-                usable(Kind::Attitude, 1)?;
-                usable(Kind::Velocity, 1)
+                self.usable(Kind::Attitude, 1)?;
+                self.usable(Kind::Velocity, 1)
             }
+        }
+    }
+
+    /// How many samples of a kind can be usable, if as many as are needed.
+    fn usable(&self, kind: Kind, needed: u64) -> Result<u64, MissingReason> {
+        match &self.roles[&kind] {
+            RoleReport::Found(found) if found.usable_at_most() >= needed => {
+                Ok(found.usable_at_most())
+            }
+            RoleReport::Found(found) => Err(MissingReason::TooFewUsable {
+                sample: kind,
+                needed,
+                topic: found.topic.clone(),
+                tally: found.tally.clone(),
+            }),
+            RoleReport::Missing { missing } => Err(MissingReason::NoSamples {
+                sample: kind,
+                reason: missing.clone(),
+            }),
         }
     }
 
@@ -358,8 +372,8 @@ impl Telemetry {
 
     fn topics(&self) -> impl Iterator<Item = &str> {
         self.roles.values().filter_map(|role| match role {
-            Role::Found(found) => Some(found.topic.as_str()),
-            Role::Missing { .. } => None,
+            RoleReport::Found(found) => Some(found.topic.as_str()),
+            RoleReport::Missing { .. } => None,
         })
     }
 }
@@ -436,34 +450,5 @@ impl Sampled {
             }
         }
         Ok(sampled)
-    }
-}
-
-/// A sample in words, in the units that people think in.
-fn say(sample: &Sample) -> String {
-    let degrees = |q: &nalgebra::UnitQuaternion<f64>| {
-        let (roll, pitch, yaw) = q.euler_angles();
-        let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_degrees);
-        format!("roll {roll:.1}°, pitch {pitch:.1}°, yaw {yaw:.1}°")
-    };
-    match sample {
-        Sample::Attitude(sample) => degrees(&sample.orientation),
-        Sample::Gimbal(sample) => format!(
-            "{} from the {}",
-            degrees(&sample.orientation),
-            sample.reference.describe()
-        ),
-        Sample::Velocity(sample) => match sample.velocity {
-            Velocity::Ned(v) => format!("north {:.2}, east {:.2}, down {:.2} m/s", v.x, v.y, v.z),
-            Velocity::Frd(v) => format!("front {:.2}, right {:.2}, down {:.2} m/s", v.x, v.y, v.z),
-        },
-        Sample::Position(sample) => match sample.position {
-            Position::Geodetic {
-                latitude,
-                longitude,
-                altitude,
-            } => format!("{latitude:.6}° N, {longitude:.6}° E, {altitude:.1} m"),
-            Position::Local(p) => format!("north {:.1}, east {:.1}, down {:.1} m", p.x, p.y, p.z),
-        },
     }
 }

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    fmt,
     ops::{Index, IndexMut},
 };
 
@@ -43,7 +44,7 @@ pub struct VelocitySample {
 pub enum Velocity {
     /// North, east, down.
     Ned(Vector3<f64>),
-    /// The drone's front, right, down. It takes the attitude at its time to know where that is.
+    /// The drone's front, right, down. Where those point depends on the attitude at its time.
     Frd(Vector3<f64>),
 }
 
@@ -68,17 +69,6 @@ pub enum GimbalReference {
     Heading,
     /// The airframe's front, right, down: the angles of the joints.
     Airframe,
-}
-
-impl GimbalReference {
-    /// In words.
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Earth => "horizon and north",
-            Self::Heading => "horizon and the drone's heading",
-            Self::Airframe => "airframe",
-        }
-    }
 }
 
 /// Where the drone is at one time.
@@ -109,7 +99,7 @@ pub enum Position {
 /// One usable reading of the drone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sample {
-    /// How the drone lay.
+    /// How the drone was oriented.
     Attitude(AttitudeSample),
     /// How it moved.
     Velocity(VelocitySample),
@@ -141,14 +131,13 @@ impl Sample {
     }
 }
 
-/// What a sample is a reading of. The order is that of samples at equal times: what follows for the camera
-/// from an attitude needs the gimbal, and from a velocity both.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
+/// What a sample is a reading of. The order is that of samples at equal times: what is derived from an attitude
+/// needs the gimbal, and what is derived from a velocity needs both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
     /// Where the gimbal holds the camera.
     Gimbal,
-    /// How the drone lies.
+    /// How the drone is oriented.
     Attitude,
     /// How it moves.
     Velocity,
@@ -159,6 +148,10 @@ pub enum Kind {
 impl Kind {
     /// All of them, in their order.
     pub const ALL: [Kind; 4] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity, Kind::Position];
+
+    /// All of them, in the order in which they are listed.
+    pub const LISTED: [Kind; Self::ALL.len()] =
+        [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position];
 
     /// As profiles, scripts and options name it.
     pub fn name(self) -> &'static str {
@@ -171,8 +164,15 @@ impl Kind {
     }
 }
 
+impl Serialize for Kind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
 /// Why a reading was not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum DropReason {
     /// The message's bytes do not decode as its schema says.
     Undecodable,
@@ -182,7 +182,7 @@ pub enum DropReason {
     ParameterList,
     /// A field that the message may leave out is not in it.
     MissingField,
-    /// The log itself says that it is measured in a frame which cannot be placed.
+    /// The log itself says that it is measured in a frame that cannot be related to NED.
     UnknownFrame,
     /// The time that the message gives for it is negative, not finite, or too large.
     BadTime,
@@ -232,19 +232,25 @@ impl DropReason {
         }
     }
 
-    /// In words, as the report says it.
-    pub fn describe(self) -> &'static str {
-        match self {
+    /// Whether the message could not be read, as opposed to having nothing of use.
+    pub fn is_unreadable(self) -> bool {
+        matches!(self, Self::Undecodable | Self::Xcdr2 | Self::ParameterList)
+    }
+}
+
+impl fmt::Display for DropReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
             DropReason::Undecodable => "not decodable",
             DropReason::Xcdr2 => "encoded as XCDR2, which flightcam does not read (it reads XCDR1)",
             DropReason::ParameterList => {
                 "encoded as a CDR parameter list (PL_CDR), which flightcam does not read"
             }
             DropReason::MissingField => "without a field that is needed",
-            DropReason::UnknownFrame => "in a frame that cannot be placed in NED",
-            DropReason::BadTime => "with a time that cannot be one",
+            DropReason::UnknownFrame => "in a frame that cannot be related to NED",
+            DropReason::BadTime => "with an impossible time",
             DropReason::NonFinite => "with a number that is not finite",
-            DropReason::NotARotation => "with a quaternion that is no rotation",
+            DropReason::NotARotation => "with a quaternion that is not a rotation",
             DropReason::MarkedInvalid => "marked invalid by the log",
             DropReason::DuplicateTime => "at the time of an earlier sample",
             DropReason::UndefinedHeading => {
@@ -255,14 +261,7 @@ impl DropReason {
             DropReason::AcrossAttitudeReset => "across a reset of the attitude estimator",
             DropReason::OutsideGimbal => "before the first or after the last usable gimbal angle",
             DropReason::InGimbalGap => "in a gap of the gimbal angles",
-        }
-    }
-}
-
-impl DropReason {
-    /// Whether the message could not be read, as opposed to having nothing of use.
-    pub fn is_unreadable(self) -> bool {
-        matches!(self, Self::Undecodable | Self::Xcdr2 | Self::ParameterList)
+        })
     }
 }
 
@@ -292,15 +291,6 @@ impl Tally {
     /// All readings, used or not.
     pub fn total(&self) -> u64 {
         self.used + self.dropped.values().sum::<u64>()
-    }
-
-    /// In words.
-    pub fn describe(&self) -> String {
-        let mut words = vec![format!("{} of {} usable", self.used, self.total())];
-        for (reason, count) in &self.dropped {
-            words.push(format!("{count} {}", reason.describe()));
-        }
-        words.join(", ")
     }
 }
 

@@ -43,7 +43,7 @@ pub struct Source {
 }
 
 /// Where one kind of sample comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RoleSource {
     /// The topic.
     pub topic: String,
@@ -60,6 +60,15 @@ pub struct RunnerUp {
     pub fits: bool,
     /// What it found, or what it did not find.
     pub reason: String,
+}
+
+/// An attitude whose angles are larger than radians can be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TooLarge {
+    /// The attitude's topic.
+    pub topic: String,
+    /// The largest angle, which was read as radians like the others.
+    pub angle: f64,
 }
 
 impl RoleSource {
@@ -128,16 +137,13 @@ impl Source {
     }
 
     /// What the user should look at twice, after all messages were read.
-    pub fn suspicion(&self) -> Option<String> {
+    pub fn suspicion(&self) -> Option<TooLarge> {
         let angles = self.channels.values().map(ChannelSource::largest_angles);
         let largest = angles.fold(LargestAngles::default(), LargestAngles::max);
         // A little more than a quarter and a full turn, for filters that overshoot.
         let limits = [(largest.pitch, 1.6), (largest.roll_or_yaw, 6.3)];
         let (angle, _) = limits.into_iter().find(|(angle, limit)| angle > limit)?;
-        Some(format!(
-            "{} has an angle of {angle:.1}, read as radians like all of its angles; \
-             if they are degrees, use --profile flat-deg",
-            self.attitude().topic
-        ))
+        let topic = self.attitude().topic.clone();
+        Some(TooLarge { topic, angle })
     }
 }

@@ -21,7 +21,7 @@ use super::{
     progress::Bar,
     report::describe,
     telemetry::{EXAMPLES, TelemetryArguments},
-    wrong_arguments,
+    words, wrong_arguments,
 };
 
 const USUAL: &str = "\
@@ -196,7 +196,10 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     if arguments.quiet || arguments.json {
         for note in &report.notes {
-            complain("warning", &format!("{}: {note}", input.display()));
+            complain(
+                "warning",
+                &format!("{}: {}", input.display(), words::note(note)),
+            );
         }
     }
     Ok(Exit::PartlyUnreadable)

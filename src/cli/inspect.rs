@@ -1,12 +1,11 @@
-//! `flightcam inspect`: what a log has, and what `enrich` would make of it.
+//! `flightcam inspect`: what a log has, and what `enrich` would produce.
 
 use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
 use flightcam::{
     Error, Options,
-    inspect::{FoundRole, Inspection, Planned, Role, Telemetry, TopicGroup, inspect},
-    report::{MissingTopic, ProfileReport},
+    inspect::{FoundRole, Inspection, Planned, RoleReport, Telemetry, TopicGroup, inspect},
     sample::Kind,
     source::RunnerUp,
 };
@@ -15,22 +14,15 @@ use indicatif::{HumanBytes, HumanCount};
 use super::{
     Exit,
     camera::CameraArguments,
-    explain, plural, print_result,
+    explain, print_result,
     telemetry::{EXAMPLES, TelemetryArguments},
+    words::{self, plural},
 };
 
 /// How many topics of a group are named.
 const NAMED: usize = 4;
 
-/// The kinds of sample in the order in which people think of them.
-const KINDS: [(Kind, &str); 4] = [
-    (Kind::Attitude, "Attitude"),
-    (Kind::Velocity, "Velocity"),
-    (Kind::Gimbal, "Gimbal"),
-    (Kind::Position, "Position"),
-];
-
-/// Say which telemetry a log has, and what enrich would make of it
+/// Say which telemetry a log has, and what enrich would produce
 ///
 /// Nothing is written. On a log with a summary only a part of it is read. The exit code is 0 if enrich would
 /// find what it needs in the log, 1 if not.
@@ -87,7 +79,7 @@ fn describe(inspection: &Inspection) -> String {
         describe_telemetry(&mut line, telemetry);
     }
     for note in &inspection.notes {
-        line("Note", note);
+        line("Note", &words::note(note));
     }
     if let Some(telemetry) = &inspection.telemetry {
         let _ = write!(text, "\n{}", table(telemetry));
@@ -116,8 +108,7 @@ fn describe_log(inspection: &Inspection) -> String {
 }
 
 fn describe_telemetry(line: &mut impl FnMut(&str, &str), telemetry: &Telemetry) {
-    let ProfileReport { name, reason } = &telemetry.profile;
-    line("Profile", &format!("{name}, {reason}"));
+    line("Profile", &words::profile(&telemetry.profile));
     for other in telemetry.runners_up.iter().filter(|other| other.fits) {
         let RunnerUp {
             profile, reason, ..
@@ -129,15 +120,16 @@ fn describe_telemetry(line: &mut impl FnMut(&str, &str), telemetry: &Telemetry) 
     }
     line(
         "Camera",
-        &match telemetry.camera {
-            Some(camera) => camera.to_string(),
-            None => "not told by the log; give enrich --depression or --mount".to_owned(),
+        &match &telemetry.camera {
+            Some(camera) => words::camera(camera),
+            None => "not known from the log; give enrich --depression or --mount".to_owned(),
         },
     );
-    for (kind, label) in KINDS {
+    for kind in Kind::LISTED {
+        let label = words::label(kind);
         match telemetry.roles.get(&kind) {
-            Some(Role::Found(found)) => describe_role(line, label, found),
-            Some(Role::Missing { missing }) => line(label, &format!("none: {missing}")),
+            Some(RoleReport::Found(found)) => describe_role(line, label, found),
+            Some(RoleReport::Missing { missing }) => line(label, &format!("none: {missing}")),
             None => {}
         }
     }
@@ -157,7 +149,7 @@ fn describe_role(line: &mut impl FnMut(&str, &str), label: &str, found: &FoundRo
     let fields = found.fields.join(", ");
     line(label, &format!("{topic} ({kind}): {fields}"));
     if let Some(first) = &found.first {
-        line("", &format!("at first {first}"));
+        line("", &format!("at first {}", words::first_sample(first)));
     }
     let of_how_many = match found.read == found.messages {
         true => String::new(),
@@ -165,15 +157,15 @@ fn describe_role(line: &mut impl FnMut(&str, &str), label: &str, found: &FoundRo
     };
     for (reason, count) in &found.tally.dropped {
         let count = HumanCount(*count);
-        line("", &format!("{count}{of_how_many} {}", reason.describe()));
+        line("", &format!("{count}{of_how_many} {reason}"));
     }
 }
 
 /// The numbers of each role, a row each.
 fn table(telemetry: &Telemetry) -> String {
     let found = telemetry.roles.values().filter_map(|role| match role {
-        Role::Found(found) => Some(found.times[0]),
-        Role::Missing { .. } => None,
+        RoleReport::Found(found) => Some(found.times[0]),
+        RoleReport::Missing { .. } => None,
     });
     // Logs may start at time 0 with what was known before the flight.
     let start = found.min().unwrap_or(0);
@@ -187,9 +179,9 @@ fn table(telemetry: &Telemetry) -> String {
         "to",
     ];
     let mut rows = vec![header.map(str::to_owned)];
-    for (kind, label) in KINDS {
-        if let Some(Role::Found(found)) = telemetry.roles.get(&kind) {
-            rows.push(row(label, found, start));
+    for kind in Kind::LISTED {
+        if let Some(RoleReport::Found(found)) = telemetry.roles.get(&kind) {
+            rows.push(row(words::label(kind), found, start));
         }
     }
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
@@ -240,12 +232,13 @@ fn describe_plan(telemetry: &Telemetry) -> String {
             schema,
             encoding,
             at_most,
+            ..
         } = planned;
         let messages = plural(*at_most, "message");
         let _ = writeln!(text, "  {topic} ({schema}, {encoding}): up to {messages}");
     }
-    for MissingTopic { topic, reason } in &telemetry.would_not_write {
-        let _ = writeln!(text, "but not\n  {topic}: {reason}");
+    for missing in &telemetry.would_not_write {
+        let _ = writeln!(text, "but not\n  {}: {}", missing.topic, missing.reason);
     }
     text
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use flightcam::{Report, messages::Encoding, report::SampleReport, transform::Breaks};
+use flightcam::{Report, report::SampleReport, sample::Kind, transform::Breaks};
 use indicatif::HumanCount;
 
-use super::plural;
+use super::words::{self, plural};
 
 /// The report in the order in which the data flows.
 pub fn describe(report: &Report) -> String {
@@ -14,31 +14,15 @@ pub fn describe(report: &Report) -> String {
         let _ = writeln!(text, "{label:<12}{content}");
     };
     line("Log", &report.input.display().to_string());
-    line(
-        "Profile",
-        &format!("{}, {}", report.profile.name, report.profile.reason),
-    );
-    line("Camera", &report.camera.to_string());
-    describe_samples(&mut line, "Attitude", &report.attitude);
-    let Breaks { gaps, resets } = report.breaks;
-    if gaps > 0 {
-        let gaps = plural(gaps, "gap");
-        let max_gap = report.max_gap_s;
-        line(
-            "",
-            &format!("no rotation across {gaps} longer than {max_gap} s"),
-        );
-    }
-    if resets > 0 {
-        let resets = plural(resets, "reset");
-        line(
-            "",
-            &format!("no rotation across {resets} of the attitude estimator"),
-        );
-    }
-    describe_samples(&mut line, "Velocity", &report.velocity);
-    if let Some(gimbal) = &report.gimbal {
-        describe_samples(&mut line, "Gimbal", gimbal);
+    line("Profile", &words::profile(&report.profile));
+    line("Camera", &words::camera(&report.camera));
+    for kind in Kind::LISTED {
+        if let Some(samples) = report.samples.get(&kind) {
+            describe_samples(&mut line, words::label(kind), samples);
+        }
+        if kind == Kind::Attitude {
+            describe_breaks(&mut line, report.breaks, report.max_gap_s);
+        }
     }
     for topic in &report.written {
         let messages = plural(topic.messages, "message");
@@ -56,34 +40,35 @@ pub fn describe(report: &Report) -> String {
         ),
     );
     for note in &report.notes {
-        line("Note", note);
+        line("Note", &words::note(note));
     }
     line("Result", &report.output.display().to_string());
-    let paths: Vec<String> = (report.written.iter())
-        .map(|topic| {
-            format!(
-                "{}{}",
-                topic.topic,
-                telling_field(topic.topic, report.encoding.name)
-            )
-        })
+    let to_plot: Vec<String> = (report.written.iter())
+        .map(|topic| format!("{}.{}", topic.topic, topic.field_to_plot))
         .collect();
     let _ = write!(
         text,
         "\nTo look at it, open the result in Foxglove (https://foxglove.dev), add a Plot panel, and plot {}.",
-        paths.join(" and ")
+        to_plot.join(" and ")
     );
     text
 }
 
-/// The field of a topic's messages that shows most at a glance, as Foxglove writes its path.
-fn telling_field(topic: &str, encoding: Encoding) -> &'static str {
-    let is_velocity = topic == "/camera/velocity";
-    match (is_velocity, encoding) {
-        (false, Encoding::Protobuf | Encoding::Json) => ".yaw",
-        (false, Encoding::Ros2) => ".vector.z",
-        (true, Encoding::Protobuf | Encoding::Json) => ".x",
-        (true, Encoding::Ros2) => ".vector.x",
+fn describe_breaks(line: &mut impl FnMut(&str, &str), breaks: Breaks, max_gap_s: f64) {
+    let Breaks { gaps, resets } = breaks;
+    if gaps > 0 {
+        let gaps = plural(gaps, "gap");
+        line(
+            "",
+            &format!("no rotation across {gaps} longer than {max_gap_s} s"),
+        );
+    }
+    if resets > 0 {
+        let resets = plural(resets, "reset");
+        line(
+            "",
+            &format!("no rotation across {resets} of the attitude estimator"),
+        );
     }
 }
 
@@ -101,9 +86,6 @@ fn describe_samples(line: &mut impl FnMut(&str, &str), label: &str, samples: &Sa
         ),
     );
     for (reason, count) in &samples.tally.dropped {
-        line(
-            "",
-            &format!("{} dropped: {}", HumanCount(*count), reason.describe()),
-        );
+        line("", &format!("{} dropped: {reason}", HumanCount(*count)));
     }
 }

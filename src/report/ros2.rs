@@ -8,6 +8,7 @@ use std::{
 
 use mcap::records::Channel;
 
+use super::Note;
 use crate::{
     log::Log,
     messages::{Encoding, EncodingChoice, LAST_SECOND},
@@ -18,48 +19,35 @@ pub(super) fn notes(
     output: &Path,
     choice: EncodingChoice,
     used: Encoding,
-) -> impl Iterator<Item = String> {
+) -> impl Iterator<Item = Note> {
     let mixture = match choice {
         // The telemetry's own encoding adds nothing to a mixture.
         EncodingChoice::Automatic => None,
         EncodingChoice::Given(_) => mixture(log, used),
     };
-    let late = (used == Encoding::Ros2
-        && log.contents.statistics.message_end_time / 1_000_000_000 > LAST_SECOND)
-        .then(|| {
-            "the log goes on beyond 2038-01-19T03:14:07Z, the last second that a ROS 2 stamp can say: \
-             stamps stay there, but log times are right"
-                .to_owned()
-        });
+    let last_second = log.contents.statistics.message_end_time / 1_000_000_000;
+    let overflows = used == Encoding::Ros2 && last_second > LAST_SECOND;
     let outdated = [log.file.path(), output].into_iter().find_map(bag_metadata);
-    let outdated = outdated.map(|metadata| {
-        format!(
-            "{} does not list the result with its new topics; to use the result as a ROS 2 bag, put it into a \
-             folder of its own under a name that ends in _0.mcap, and run \
-             `ros2 bag reindex -s mcap FOLDER`",
-            metadata.display()
-        )
-    });
-    [mixture, late, outdated].into_iter().flatten()
+    let notes = [
+        mixture,
+        overflows.then_some(Note::Ros2StampOverflow),
+        outdated.map(|path| Note::BagMetadataOutdated { path }),
+    ];
+    notes.into_iter().flatten()
 }
 
 /// What the new channels are to ROS 2 tools, which read a file only if all of its channels are ROS 2.
-fn mixture(log: &Log, used: Encoding) -> Option<String> {
+fn mixture(log: &Log, used: Encoding) -> Option<Note> {
     let channels = log.contents.definitions.channels.values();
     let mut foreign = channels
         .map(|channel| &channel.record)
         .filter(|channel| !is_ros2(log, channel));
     match (foreign.next(), used) {
-        (None, Encoding::Protobuf | Encoding::Json) => Some(
-            "ROS 2 tools such as rosbags refuse a file in which one channel is not ROS 2, \
-             as now the new ones; use --encoding ros2"
-                .to_owned(),
-        ),
-        (Some(channel), Encoding::Ros2) => Some(format!(
-            "ROS 2 tools such as rosbags refuse a file in which one channel is not ROS 2, \
-             as {} of the log ({})",
-            channel.topic, channel.message_encoding
-        )),
+        (None, Encoding::Protobuf | Encoding::Json) => Some(Note::NewChannelsNotRos2),
+        (Some(channel), Encoding::Ros2) => Some(Note::ChannelNotRos2 {
+            topic: channel.topic.clone(),
+            message_encoding: channel.message_encoding.clone(),
+        }),
         (None, Encoding::Ros2) | (Some(_), Encoding::Protobuf | Encoding::Json) => None,
     }
 }
@@ -70,7 +58,7 @@ fn is_ros2(log: &Log, channel: &Channel) -> bool {
         && schema.is_some_and(|schema| ["ros2msg", "ros2idl"].contains(&schema.encoding.as_str()))
 }
 
-/// The description of the ROS 2 bag that a file lies in the folder of, if it does.
+/// The description of the ROS 2 bag in whose folder a file is, if it is in one.
 fn bag_metadata(file: &Path) -> Option<PathBuf> {
     /// rosbag2 writes it first of all.
     const KEY: &[u8] = b"rosbag2_bagfile_information:";

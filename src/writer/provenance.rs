@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, fmt};
 
 use mcap::records::Metadata;
+use serde::Serialize;
 
 use super::{Layout, error::WriteError, original::Lost};
 use crate::{
@@ -101,7 +102,7 @@ pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, ReadError> {
 }
 
 /// How an earlier run of flightcam made a log, as its Metadata record says it.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct EarlierRun {
     /// Of flightcam.

@@ -325,7 +325,7 @@ fn a_log_without_a_usable_sample_is_refused_with_the_counts() {
         let states = states_without(count, missing);
         let message = format!(
             "{LOG}: nothing can be derived … /camera/relative_rpy: … /drone/state {rotations} … \
-             /camera/velocity: … /drone/state, … {velocities}"
+             /camera/velocity: … /drone/state has … {velocities}"
         );
         let folder = Folder::with(LOG, log(&[topic("/drone/state", states)]));
         folder.refuses(&enrich(""), 1, &message);
@@ -346,7 +346,7 @@ fn an_earlier_result_is_replaced() {
     folder.writes(RESULT, &enrich(""), 0);
     let other = format!("enrich {RESULT} --depression 45 -o other.mcap");
     let report = folder.writes("other.mcap", &other, 0);
-    assert_reads(&report, "Note … enriched already … 30° below … replaces");
+    assert_reads(&report, "Note … already enriched … 30° below … replaces");
     folder.writes(
         "direct.mcap",
         &format!("enrich {LOG} --depression 45 -o direct.mcap"),
@@ -400,8 +400,17 @@ fn the_json_report_has_every_number() {
     let expected = json!({
         "input": LOG,
         "output": RESULT,
-        "profile": { "name": "flat", "reason": "chosen because /drone/state has roll, pitch, yaw" },
-        "encoding": { "name": "protobuf", "reason": "chosen because /drone/state is protobuf" },
+        "profile": {
+            "name": "flat",
+            "chosen": "automatically",
+            "attitude": { "topic": "/drone/state", "fields": ["roll", "pitch", "yaw"] },
+        },
+        "encoding": {
+            "name": "protobuf",
+            "chosen": "automatically",
+            "telemetry_topic": "/drone/state",
+            "telemetry_encoding": "protobuf",
+        },
         "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
         "gimbal": null,
         "max_gap_s": 5.0,
@@ -513,8 +522,8 @@ fn a_log_that_breaks_off_gives_what_it_has_and_exit_code_3() {
     assert_eq!(report["complete"], false);
     let whole_records = report["bytes_kept"].as_u64().unwrap();
     let lost = length as u64 - whole_records;
-    let note = format!("breaks off at byte {whole_records} … {lost} bytes");
-    assert_reads(report["notes"][0].as_str().unwrap(), &note);
+    let note = json!({ "kind": "breaks_off", "offset": whole_records, "lost_bytes": lost });
+    assert_eq!(report["notes"][0], note);
 
     let used = report["attitude"]["used"].as_u64().unwrap();
     assert!((1000..3310).contains(&used), "{used}");
@@ -522,6 +531,78 @@ fn a_log_that_breaks_off_gives_what_it_has_and_exit_code_3() {
     assert_eq!(counts["/drone/state"], used);
     assert_eq!(counts["/camera/relative_rpy"], used - 1);
     assert_eq!(counts["/camera/velocity"], used);
+}
+
+#[test]
+fn notes_say_what_can_be_done() {
+    let gimbal = (0..2).map(|_| json!({ "q": [1, 0, 0, 0], "device_flags": 32 }));
+    let px4 = [
+        attitude("/vehicle_attitude"),
+        topic("/gimbal_device_attitude_status", gimbal),
+    ];
+    let boot = |mut state: Value| {
+        state["seconds"] = json!(0.5);
+        state
+    };
+    let stamped = [topic("/drone/state", states(1, 1.0).map(boot))];
+    let ros2 = [Topic {
+        encoding: "cdr",
+        messages: vec![pose_in_cdr(); 2],
+        ..topic("/pose", []).with_schema("test/msg/Pose", "ros2msg", "float64[4] q")
+    }];
+    let flat = [flat("/drone/state")];
+    for (topics, arguments, note) in [
+        (
+            &px4[..],
+            "--depression 30",
+            "angles on /gimbal_device_attitude_status, but --depression was given and takes precedence: … held at \
+             that angle",
+        ),
+        (
+            &px4,
+            "--mount 0,-30,0",
+            "--mount was given and takes precedence: … bolted to the airframe",
+        ),
+        (
+            &stamped,
+            "--depression 30 --time seconds:s",
+            "times before the log's first message or after its last … --time says",
+        ),
+        (
+            &flat,
+            "--depression 30 --encoding ros2",
+            "tools such as rosbags refuse … /drone/state of the log (json)",
+        ),
+        (
+            &ros2,
+            "--depression 30 --attitude /pose.q --encoding json",
+            "tools such as rosbags refuse … the new ones … use --encoding ros2",
+        ),
+        (
+            &flat,
+            "--depression 30 --layout interleaved",
+            "`flightcam restore` cannot undo",
+        ),
+    ] {
+        let folder = Folder::with(LOG, log(topics));
+        let report = folder.writes(RESULT, &format!("enrich {LOG} {arguments}"), 0);
+        assert_reads(&report, &format!("Note … {note}"));
+    }
+
+    let folder = Folder::with(LOG, log(&flat));
+    folder.add("metadata.yaml", "rosbag2_bagfile_information:\n");
+    let report = folder.writes(RESULT, &enrich(""), 0);
+    assert_reads(
+        &report,
+        "Note … metadata.yaml does not list the result … `ros2 bag reindex -s mcap FOLDER`",
+    );
+}
+
+/// The identity as `float64[4]`.
+fn pose_in_cdr() -> Vec<u8> {
+    let mut message = vec![0, 1, 0, 0];
+    message.extend([1.0, 0.0, 0.0, 0.0].map(f64::to_le_bytes).concat());
+    message
 }
 
 #[test]

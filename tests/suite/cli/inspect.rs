@@ -45,7 +45,7 @@ fn all_that_was_found_is_laid_out_for_a_narrow_terminal() {
     let expected = "\
 Log         flight.mcap: 210.26 KiB, 3,416 messages on 4 topics
 Profile     flat, chosen because /drone/state has roll, pitch, yaw
-Camera      not told by the log; give enrich --depression or --mount
+Camera      not known from the log; give enrich --depression or --mount
 Attitude    /drone/state (demo.DroneState, protobuf): roll, pitch, yaw
             at first roll 0.6°, pitch -0.4°, yaw 75.0°
 Velocity    /drone/state (demo.DroneState, protobuf): vx, vy, vz
@@ -86,7 +86,7 @@ fn small_log() -> Folder {
 fn the_json_has_every_number_under_names_that_scripts_rely_on() {
     let mut told = tells(&small_log(), "--profile flat --depression 30", 0);
     let length = small_log().read(LOG).len();
-    let role = |fields: [&str; 3], used: u64, dropped: Value, first: &str| {
+    let role = |fields: [&str; 3], used: u64, dropped: Value, first: Value| {
         json!({
             "topic": "/drone/state",
             "fields": fields,
@@ -106,8 +106,15 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
     let position = told["telemetry"]["roles"]["position"].take();
     assert_eq!(position.as_object().map(|position| position.len()), Some(1));
     assert!(position["missing"].is_string());
-    let attitude = "roll 0.0°, pitch -5.7°, yaw 0.0°";
-    let velocity = "north 3.00, east -1.00, down 0.20 m/s";
+    let pitch = told["telemetry"]["roles"]["attitude"]["first"]["pitch_deg"].take();
+    assert!((pitch.as_f64().unwrap() + 5.7296).abs() < 1e-4);
+    let attitude = json!({
+        "kind": "attitude",
+        "roll_deg": 0.0,
+        "pitch_deg": null,
+        "yaw_deg": 0.0,
+    });
+    let velocity = json!({ "kind": "velocity_ned", "north": 3.0, "east": -1.0, "down": 0.2 });
     let expected = json!({
         "input": LOG,
         "bytes": length,
@@ -116,7 +123,11 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
         "times": [time(0), time(4)],
         "scanned": false,
         "telemetry": {
-            "profile": { "name": "flat", "reason": "as asked for; /drone/state has roll, pitch, yaw" },
+            "profile": {
+                "name": "flat",
+                "chosen": "by_request",
+                "attitude": { "topic": "/drone/state", "fields": ["roll", "pitch", "yaw"] },
+            },
             "namespace": "",
             "runners_up": [],
             "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
@@ -214,7 +225,9 @@ fn what_looks_odd_is_noted() {
     let folder = Folder::with(LOG, degrees);
     let note = "if they are degrees, use --profile flat-deg";
     assert_reads(&prints(&folder, "", 0), &format!("Note … {note}"));
-    assert_reads(tells(&folder, "", 0)["notes"][0].as_str().unwrap(), note);
+    let told = &tells(&folder, "", 0)["notes"][0];
+    assert_eq!(told["kind"], "suspicious_angle");
+    assert_eq!(told["topic"], "/state");
     assert_eq!(tells(&folder, "--profile flat-deg", 0)["notes"], json!([]));
 
     let whole = fs::read(repository("fixtures/survey_flight.mcap")).unwrap();
@@ -349,8 +362,9 @@ fn of_an_enriched_log_the_original_is_inspected() {
     folder.writes(RESULT, &format!("enrich {LOG} --depression 30"), 0);
     let enriched = Folder::with(LOG, folder.read(RESULT));
     let mut told = tells(&enriched, "", 0);
-    let notes = told["notes"].take().to_string();
-    assert_reads(&notes, "enriched already … 30° below … of the original");
+    let note = &told["notes"][0];
+    assert_eq!(note["kind"], "original_inspected");
+    assert_reads(note["earlier"].as_str().unwrap(), "30° below");
     told["notes"] = json!([]);
     assert_eq!(told, original);
 }

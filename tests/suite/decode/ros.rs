@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use assert_cmd::cargo::cargo_bin_cmd;
+use flightcam::sample::Kind;
 use serde_json::{Value, json};
 
 use crate::support::{
@@ -394,8 +395,8 @@ fn encapsulations_that_are_not_read_are_counted_each_under_its_own_name() {
             .enrich(Some(&profile(["a", "b", "c"])))
             .expect("a result");
         let counted = [(reason, bad.len() as u64)];
-        assert_eq!(dropped(&report.attitude.tally), counted);
-        assert_eq!(dropped(&report.velocity.tally), counted);
+        assert_eq!(dropped(&report.samples[&Kind::Attitude].tally), counted);
+        assert_eq!(dropped(&report.samples[&Kind::Velocity].tally), counted);
         assert!(!report.complete);
 
         // The program says so, in words and by its exit code.

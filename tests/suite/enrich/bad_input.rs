@@ -56,7 +56,7 @@ mod truncated_messages {
             "Attitude … 47 of 50 samples used … 3 dropped: not decodable … \
              Velocity … 47 of 50 samples used … 3 dropped: not decodable … \
              Written … /camera/relative_rpy: 46 messages … /camera/velocity: 47 messages … \
-             Note … some messages do not decode as their schema says",
+             Note … 6 samples could not be decoded as the log's schemas say",
         );
         let report = folder.reports(&enrich(&format!("{arguments} --force")), 3);
         assert_eq!(report["complete"], false);
@@ -381,7 +381,7 @@ fn a_quaternion_far_from_unit_length_is_dropped_and_one_near_it_normalised() {
     let report = far.writes(RESULT, &enrich(POSE), 0);
     assert_reads(
         &report,
-        "/pose: 10 of 50 samples used … 40 dropped: with a quaternion that is no rotation",
+        "/pose: 10 of 50 samples used … 40 dropped: with a quaternion that is not a rotation",
     );
     let report = far.reports(&enrich(&format!("{POSE} --force")), 0);
     assert_eq!(

@@ -8,7 +8,7 @@ use flightcam::{
     Error, Options,
     camera::{CameraError, Mount},
     geometry::DepressionAngle,
-    inspect::{Planned, Role},
+    inspect::{Planned, RoleReport},
     messages::{Encoding, EncodingChoice},
     report::CameraReport,
     sample::Kind,
@@ -69,12 +69,12 @@ fn a_flight_has_the_same_numbers_in_every_convention() {
             ),
         ] {
             let used = match &telemetry.roles[&kind] {
-                Role::Found(found) => {
+                RoleReport::Found(found) => {
                     assert_eq!(found.read, found.messages);
                     assert!(found.first.is_some());
                     Some(found.tally.used)
                 }
-                Role::Missing { .. } => None,
+                RoleReport::Missing { .. } => None,
             };
             assert_eq!(used, expected, "{}", kind.name());
         }
@@ -158,6 +158,7 @@ fn what_would_be_written_is_in_the_encoding_that_enrich_chooses() {
                 schema: s,
                 encoding: e,
                 at_most,
+                ..
             } = telemetry(&inspection).would_write[1];
             assert_eq!((topic, s, e), ("/camera/velocity", schema, encoding));
             let (_, report) = enrich_bytes_with(&log, &options).expect("a result");
@@ -238,7 +239,7 @@ fn what_could_not_be_written_is_told_as_enrich_would() {
         let telemetry = telemetry(&inspection);
         let at_most = telemetry.would_write.iter().map(|planned| planned.at_most);
         assert!(at_most.eq(planned.iter().copied()));
-        assert_reads(&telemetry.would_not_write[0].reason, missing);
+        assert_reads(&telemetry.would_not_write[0].reason.to_string(), missing);
         assert_eq!(inspection.problem, None);
     }
     let inspection = inspected(&log(&[topic("/state", states_without(5, "yaw", 0))]));

@@ -11,6 +11,7 @@ use flightcam::{
     enrich::enrich,
     geometry::RollPitchYaw,
     messages::{Encoding, EncodingChoice, Format},
+    report::Note,
     sample::Stamp,
     unwatched,
 };
@@ -139,7 +140,11 @@ fn the_encoding_is_the_telemetrys_unless_told() {
             format!("chosen because /drone/state is {name}")
         );
         assert_eq!(report.encoding.name.name(), name);
-        assert_eq!(report.encoding.reason, facts["encoding_reason"]);
+        let telemetry = (
+            report.encoding.telemetry_topic,
+            report.encoding.telemetry_encoding,
+        );
+        assert_eq!(telemetry, (TELEMETRY.to_owned(), name.to_owned()));
         for (channel, schema) in derived_channels(&result).iter().zip(schemas) {
             assert_eq!(channel.message_encoding, name);
             assert_eq!(channel.schema.as_ref().expect("a schema").name, schema);
@@ -263,7 +268,7 @@ fn a_ros2_stamp_stays_at_the_last_that_there_is() {
         (Encoding::Json, last - 10_000_000, false),
     ] {
         let (_, report) = enriched(&flat_log(start), encoding);
-        let noted = report.notes.iter().any(|note| note.contains("2038"));
+        let noted = report.notes.contains(&Note::Ros2StampOverflow);
         assert_eq!(noted, expected, "{:?}", report.notes);
     }
 }
@@ -401,12 +406,14 @@ fn what_ros2_tools_refuse_is_noted_when_it_was_asked_for() {
     for (encoding, expected) in [
         (Encoding::Protobuf, None),
         (Encoding::Json, None),
-        (Encoding::Ros2, Some("as /drone/state of the log (json)")),
+        (Encoding::Ros2, Some(("/drone/state", "json"))),
     ] {
         let (_, report) = enriched(&log, encoding);
-        let note = report.notes.iter().find(|note| note.contains("refuse"));
-        assert_eq!(note.is_some(), expected.is_some(), "{note:?}");
-        assert!(note.is_none_or(|note| note.contains(expected.expect("a note"))));
+        let expected = expected.map(|(topic, encoding): (&str, &str)| Note::ChannelNotRos2 {
+            topic: topic.to_owned(),
+            message_encoding: encoding.to_owned(),
+        });
+        assert_eq!(report.notes, Vec::from_iter(expected));
     }
 }
 
@@ -419,9 +426,7 @@ fn a_real_ros2_log_stays_one_that_ros2_tools_read_unless_asked_otherwise() {
     assert!(report.notes.is_empty(), "{:?}", report.notes);
     for encoding in [Encoding::Protobuf, Encoding::Json] {
         let (_, report) = enriched(&log, encoding);
-        let mut notes = report.notes.iter();
-        let advice = notes.find(|note| note.contains("use --encoding ros2"));
-        assert!(advice.is_some(), "{:?}", report.notes);
+        assert_eq!(report.notes, [Note::NewChannelsNotRos2]);
     }
 }
 
@@ -449,9 +454,8 @@ fn a_result_in_or_from_the_folder_of_a_ros2_bag_says_how_to_list_it() {
         let report = enrich(&input, &to.join("result.mcap"), &options(), &mut unwatched);
         match (&report.expect("a result").notes[..], expected) {
             ([], None) => {}
-            ([note], Some(path)) => {
-                assert!(note.contains(path), "{note}");
-                assert!(note.contains("`ros2 bag reindex -s mcap FOLDER`"), "{note}");
+            ([Note::BagMetadataOutdated { path }], Some(expected)) => {
+                assert!(path.ends_with(expected), "{path:?}");
             }
             (notes, _) => panic!("{notes:?}, expected {expected:?}"),
         }

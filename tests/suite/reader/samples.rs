@@ -1,6 +1,6 @@
 //! How logs say it: schemas of all kinds, fields in messages, and which samples are used.
 
-use flightcam::source::profile::Profile;
+use flightcam::{sample::Kind, source::profile::Profile};
 use prost::Message;
 use prost_reflect::DynamicMessage;
 
@@ -35,8 +35,14 @@ fn of_samples_at_the_same_time_the_first_in_the_file_counts() {
     }
     let (derived, report) = log.enrich(None).expect("a result");
     assert_eq!(yaws(&derived)[0], (20, 0.1));
-    assert_eq!(dropped(&report.attitude.tally), [("duplicate_time", 42)]);
-    assert_eq!(dropped(&report.velocity.tally), [("duplicate_time", 42)]);
+    assert_eq!(
+        dropped(&report.samples[&Kind::Attitude].tally),
+        [("duplicate_time", 42)]
+    );
+    assert_eq!(
+        dropped(&report.samples[&Kind::Velocity].tally),
+        [("duplicate_time", 42)]
+    );
 }
 
 #[test]
@@ -109,7 +115,10 @@ fn a_protobuf_field_with_presence_that_is_absent_is_missing() {
     }
     let (derived, report) = log.enrich(None).expect("a result");
     assert_eq!(yaws(&derived), [(40, 0.5)]);
-    assert_eq!(dropped(&report.attitude.tally), [("missing_field", 1)]);
+    assert_eq!(
+        dropped(&report.samples[&Kind::Attitude].tally),
+        [("missing_field", 1)]
+    );
     assert_eq!(
         forwards(&derived).len(),
         3,
@@ -163,7 +172,7 @@ fn each_reading_is_dropped_for_the_first_reason_that_applies() {
     log.put(channel, 10, &[0x12, 0x7f, 0x00]);
     let (derived, report) = log.enrich(Some(NESTED_PROFILE)).expect("a result");
     assert_eq!(
-        dropped(&report.attitude.tally),
+        dropped(&report.samples[&Kind::Attitude].tally),
         [
             ("undecodable", 1),
             ("missing_field", 1),
@@ -172,7 +181,7 @@ fn each_reading_is_dropped_for_the_first_reason_that_applies() {
         ]
     );
     assert_eq!(
-        dropped(&report.velocity.tally),
+        dropped(&report.samples[&Kind::Velocity].tally),
         [
             ("undecodable", 1),
             ("missing_field", 2),
@@ -182,7 +191,10 @@ fn each_reading_is_dropped_for_the_first_reason_that_applies() {
     );
     assert_eq!(yaws(&derived), [(7, 0.0), (8, 0.0), (9, 0.0)]);
     assert!(!report.complete, "a message could not be read");
-    assert_eq!(report.attitude.topic.as_deref(), Some("/pose"));
+    assert_eq!(
+        report.samples[&Kind::Attitude].topic.as_deref(),
+        Some("/pose")
+    );
 }
 
 #[test]
@@ -208,7 +220,7 @@ fn lists_may_be_packed_or_not_and_messages_may_come_in_parts() {
         yaws(&derived),
         [(20, (std::f64::consts::FRAC_PI_2 * 1e9).round() / 1e9)]
     );
-    assert_eq!(report.velocity.tally.used, 2);
+    assert_eq!(report.samples[&Kind::Velocity].tally.used, 2);
 }
 
 #[test]
@@ -286,11 +298,11 @@ fn json_may_be_nested_and_null_is_missing() {
         [(3, (std::f64::consts::FRAC_PI_2 * 1e9).round() / 1e9)]
     );
     assert_eq!(
-        dropped(&report.attitude.tally),
+        dropped(&report.samples[&Kind::Attitude].tally),
         [("undecodable", 2), ("missing_field", 2)]
     );
     assert_eq!(
-        dropped(&report.velocity.tally),
+        dropped(&report.samples[&Kind::Velocity].tally),
         [
             ("undecodable", 2),
             ("missing_field", 1),
@@ -322,7 +334,10 @@ fn a_json_field_may_be_one_that_the_schema_leaves_open_or_the_first_message_lack
     }
     let (derived, report) = log.enrich(Some(profile)).expect("a result");
     assert_eq!(yaws(&derived), [(3, 0.5)]);
-    assert_eq!(dropped(&report.attitude.tally), [("missing_field", 2)]);
+    assert_eq!(
+        dropped(&report.samples[&Kind::Attitude].tally),
+        [("missing_field", 2)]
+    );
     assert!(report.complete);
 }
 
@@ -343,7 +358,10 @@ fn a_json_list_within_a_list_is_no_list_of_numbers() {
     }
     let (derived, report) = log.enrich(Some(profile)).expect("a result");
     assert_eq!(derived.len(), 1);
-    assert_eq!(dropped(&report.attitude.tally), [("undecodable", 2)]);
+    assert_eq!(
+        dropped(&report.samples[&Kind::Attitude].tally),
+        [("undecodable", 2)]
+    );
 }
 
 #[test]
@@ -379,7 +397,7 @@ fn one_topic_may_be_named_for_both_roles() {
     log.put_flat(channel, 20, "0.5", "1");
     let (derived, report) = log.enrich(Some(profile)).expect("a result");
     assert_eq!(yaws(&derived), [(20, 0.5)]);
-    assert_eq!(report.velocity.tally.used, 2);
+    assert_eq!(report.samples[&Kind::Velocity].tally.used, 2);
 }
 
 #[test]
@@ -394,7 +412,7 @@ fn many_chunks_that_lie_within_one_another_are_put_in_order() {
     }
     let (derived, report) = log.enrich(None).expect("a result");
     assert!(derived.is_sorted_by_key(|message| message.log_time));
-    assert_eq!(report.attitude.tally.used, 2 * count);
+    assert_eq!(report.samples[&Kind::Attitude].tally.used, 2 * count);
 }
 
 #[test]
@@ -409,7 +427,7 @@ fn old_px4_logs_have_no_reset_counter() {
     let (derived, report) = log.enrich(None).expect("a result");
     assert_eq!(report.profile.name, "px4-ulog");
     assert_eq!(derived.len(), 1);
-    let reason = &report.not_written[0].reason;
+    let reason = report.not_written[0].reason.to_string();
     assert!(reason.contains("/vehicle_local_position"), "{reason}");
 }
 

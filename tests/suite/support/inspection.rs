@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use flightcam::{
     Error, Options,
-    inspect::{FoundRole, Inspection, Role, Telemetry, inspect},
+    inspect::{FoundRole, Inspection, RoleReport, Telemetry, inspect},
     sample::Kind,
 };
 use mcap::MessageStream;
@@ -31,8 +31,8 @@ pub fn telemetry(inspection: &Inspection) -> &Telemetry {
 #[track_caller]
 pub fn found(inspection: &Inspection, kind: Kind) -> &FoundRole {
     match &telemetry(inspection).roles[&kind] {
-        Role::Found(found) => found,
-        Role::Missing { missing } => panic!("no {}: {missing}", kind.name()),
+        RoleReport::Found(found) => found,
+        RoleReport::Missing { missing } => panic!("no {}: {missing}", kind.name()),
     }
 }
 
@@ -72,7 +72,9 @@ pub fn check_counts(inspection: &Inspection, log: &[u8]) {
 
     let mut used = Vec::new();
     for role in telemetry(inspection).roles.values() {
-        let Role::Found(role) = role else { continue };
+        let RoleReport::Found(role) = role else {
+            continue;
+        };
         let topic = &topics[&role.topic];
         let (times, seconds) = (&topic.times, |time: u64| time as f64 / 1e9);
         let [start, end] = [times[0], times[times.len() - 1]];

@@ -19,10 +19,11 @@ use flightcam::{
         stream::Named,
     },
     messages::{Encoding, EncodingChoice},
+    report::Note,
     restore, restore_to,
     run::RunError,
     unwatched,
-    writer::{WriteError, original::Lost},
+    writer::{Layout, WriteError, original::Lost},
 };
 use mcap::{
     Attachment, WriteOptions,
@@ -124,7 +125,7 @@ fn in_the_demonstration_log_each_chunk_is_followed_by_what_was_derived_from_it()
         are_derived.chunks(2).all(|pair| pair == [false, true]),
         "{are_derived:?}"
     );
-    assert!(report.notes.iter().any(|note| note.contains("cannot undo")));
+    assert!(report.notes.contains(&Note::CannotBeUndone));
 }
 
 #[test]
@@ -214,8 +215,8 @@ fn messages_outside_chunks_are_gathered_into_chunks() {
         judge_interleaved(&log, false, &result, &report);
         let parts = Parts::of(&result);
         assert!(parts.data.iter().all(|(opcode, _)| *opcode != op::MESSAGE));
-        let is_told = |note: &String| note.contains("the result has them in chunks");
-        assert!(report.notes.iter().any(is_told));
+        let layout = Layout::Interleaved;
+        assert!(report.notes.contains(&Note::LooseMessages { layout }));
         check_seeking(&result);
     }
 }
@@ -325,7 +326,7 @@ fn a_wrong_checksum_is_not_replaced_by_a_right_one() {
     assert_ne!(parts.data_section_crc, 0);
     let (sound, report) = interleave(&parts.join());
     assert_ne!(Parts::of(&sound).data_section_crc, 0);
-    let is_told = |report: &Report| report.notes.iter().any(|note| note.contains("checksum"));
+    let is_told = |report: &Report| report.notes.contains(&Note::ChecksumWrong);
     assert!(!is_told(&report));
 
     parts.data_section_crc ^= 1;
@@ -357,7 +358,12 @@ fn an_enriched_log_gives_what_its_original_gives() {
     let (appended, _) = enrich_bytes(&log).expect("a result");
     let (of_enriched, report) = interleave(&appended);
     assert!(of_enriched == interleave(&log).0);
-    assert!(report.notes.iter().any(|note| note.contains("replaces")));
+    assert!(
+        report
+            .notes
+            .iter()
+            .any(|note| matches!(note, Note::Replaced { .. }))
+    );
 }
 
 #[test]

@@ -1,0 +1,30 @@
+//! What the library reports as data, in words for the terminal.
+
+mod camera;
+mod note;
+mod sample;
+
+pub use camera::camera;
+pub use note::note;
+pub use sample::{first_sample, label};
+
+use flightcam::report::{Chosen, ProfileReport};
+use indicatif::HumanCount;
+
+/// The profile, and why this one.
+pub fn profile(profile: &ProfileReport) -> String {
+    let chosen = match profile.chosen {
+        Chosen::Automatically => "chosen because",
+        Chosen::ByRequest => "as asked for;",
+    };
+    let attitude = &profile.attitude;
+    let fields: Vec<String> = attitude.fields.iter().map(ToString::to_string).collect();
+    let (name, topic, fields) = (&profile.name, &attitude.topic, fields.join(", "));
+    format!("{name}, {chosen} {topic} has {fields}")
+}
+
+/// A count of things, with the thing's plural where it is due.
+pub fn plural(count: u64, thing: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{} {thing}{ending}", HumanCount(count))
+}

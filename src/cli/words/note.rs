@@ -1,0 +1,113 @@
+//! Notes, with what the user can do about them.
+
+use flightcam::{
+    report::{CameraReport, Note},
+    writer::Layout,
+};
+
+use super::plural;
+
+pub fn note(note: &Note) -> String {
+    on_the_log(note)
+        .or_else(|| on_the_samples(note))
+        .or_else(|| on_ros2(note))
+        .unwrap_or_else(|| format!("{note:?}"))
+}
+
+fn on_the_log(note: &Note) -> Option<String> {
+    Some(match note {
+        Note::Recovered => "an earlier run that changed the log was cut short; the log was first brought back to \
+                            what it was before"
+            .to_owned(),
+        Note::Replaced { earlier } => {
+            format!("the log was already enriched ({earlier}); this result replaces that one")
+        }
+        Note::OriginalInspected { earlier } => format!(
+            "the log is already enriched ({earlier}); everything here describes its original"
+        ),
+        Note::CannotBeUndone => {
+            "`flightcam restore` cannot undo the interleaved layout".to_owned()
+        }
+        Note::NeverClosed => {
+            "the log was never closed; all of its records were used, and the result is closed".to_owned()
+        }
+        Note::BreaksOff { offset, lost_bytes } => format!(
+            "the log breaks off at byte {offset}; the {lost_bytes} bytes from there on are not readable"
+        ),
+        Note::NotClosedButWhole => {
+            "the log does not end like a closed log, but its data is whole; the result is closed".to_owned()
+        }
+        Note::SummaryMissing => "the log had no readable summary; the result has one".to_owned(),
+        Note::SummaryIncomplete => {
+            "the log's summary was incomplete or wrong; the result's is complete".to_owned()
+        }
+        Note::LooseMessages {
+            layout: Layout::Append,
+        } => "the log has messages outside chunks, which a chunk index would hide; the result has no chunk index, so \
+              seeking in it takes longer"
+            .to_owned(),
+        Note::LooseMessages {
+            layout: Layout::Interleaved,
+        } => "the log has messages outside chunks; in the result they are in chunks".to_owned(),
+        Note::ChecksumWrong => "the log's data does not match the checksum that the log has for it; the result has no \
+                                checksum"
+            .to_owned(),
+        _ => return None,
+    })
+}
+
+fn on_the_samples(note: &Note) -> Option<String> {
+    Some(match note {
+        Note::Undecodable { samples } => {
+            let samples = plural(*samples, "sample");
+            format!("{samples} could not be decoded as the log's schemas say")
+        }
+        Note::GimbalIgnored { topic, camera } => {
+            let (flag, is) = match camera {
+                CameraReport::Fixed { .. } => ("--mount", "bolted to the airframe"),
+                _ => ("--depression", "held at that angle"),
+            };
+            format!(
+                "the log has the gimbal's angles on {topic}, but {flag} was given and takes precedence: the camera \
+                 is {is}"
+            )
+        }
+        Note::TimesOutsideLog => "the samples have times before the log's first message or after its last, so a \
+                                  player shows the new topics apart from the others; --time says what the time of a \
+                                  sample is"
+            .to_owned(),
+        Note::SuspiciousAngle { topic, angle } => format!(
+            "{topic} has an angle of {angle:.1}, read as radians like all of its angles; if they are degrees, use \
+             --profile flat-deg"
+        ),
+        _ => return None,
+    })
+}
+
+fn on_ros2(note: &Note) -> Option<String> {
+    Some(match note {
+        Note::NewChannelsNotRos2 => {
+            "ROS 2 tools such as rosbags refuse a file in which a channel is not ROS 2, as \
+                                     the new ones now are not; use --encoding ros2"
+                .to_owned()
+        }
+        Note::ChannelNotRos2 {
+            topic,
+            message_encoding,
+        } => format!(
+            "ROS 2 tools such as rosbags refuse a file in which a channel is not ROS 2, as {topic} of the log \
+             ({message_encoding}) is not"
+        ),
+        Note::Ros2StampOverflow => {
+            "the log goes on after 2038-01-19T03:14:07Z, when ROS 2 stamps overflow: later \
+                                    stamps are clamped, but log times are right"
+                .to_owned()
+        }
+        Note::BagMetadataOutdated { path } => format!(
+            "{} does not list the result with its new topics; to use the result as a ROS 2 bag, put it into a \
+             folder of its own under a name that ends in _0.mcap, and run `ros2 bag reindex -s mcap FOLDER`",
+            path.display()
+        ),
+        _ => return None,
+    })
+}

@@ -1,0 +1,59 @@
+//! Kinds of sample, and samples.
+
+use flightcam::{
+    inspect::FirstSample,
+    sample::{GimbalReference, Kind},
+};
+
+/// A kind of sample as the label of a line.
+pub fn label(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Attitude => "Attitude",
+        Kind::Velocity => "Velocity",
+        Kind::Gimbal => "Gimbal",
+        Kind::Position => "Position",
+    }
+}
+
+pub fn first_sample(sample: &FirstSample) -> String {
+    match *sample {
+        FirstSample::Attitude {
+            roll_deg,
+            pitch_deg,
+            yaw_deg,
+        } => angles(roll_deg, pitch_deg, yaw_deg),
+        FirstSample::Gimbal {
+            roll_deg,
+            pitch_deg,
+            yaw_deg,
+            reference,
+        } => {
+            let angles = angles(roll_deg, pitch_deg, yaw_deg);
+            let reference = match reference {
+                GimbalReference::Earth => "horizon and north",
+                GimbalReference::Heading => "horizon and the drone's heading",
+                GimbalReference::Airframe => "airframe",
+            };
+            format!("{angles} from the {reference}")
+        }
+        FirstSample::VelocityNed { north, east, down } => {
+            format!("north {north:.2}, east {east:.2}, down {down:.2} m/s")
+        }
+        FirstSample::VelocityFrd { front, right, down } => {
+            format!("front {front:.2}, right {right:.2}, down {down:.2} m/s")
+        }
+        FirstSample::PositionGeodetic {
+            latitude,
+            longitude,
+            altitude,
+        } => format!("{latitude:.6}° N, {longitude:.6}° E, {altitude:.1} m"),
+        FirstSample::PositionLocal { north, east, down } => {
+            format!("north {north:.1}, east {east:.1}, down {down:.1} m")
+        }
+        ref other => format!("{other:?}"),
+    }
+}
+
+fn angles(roll: f64, pitch: f64, yaw: f64) -> String {
+    format!("roll {roll:.1}°, pitch {pitch:.1}°, yaw {yaw:.1}°")
+}

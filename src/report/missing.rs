@@ -1,0 +1,81 @@
+//! Why a topic is not in the result.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::sample::{Kind, Tally};
+
+/// A topic that the result does not have.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct MissingTopic {
+    /// Its name.
+    pub topic: &'static str,
+    /// Why not.
+    pub reason: MissingReason,
+}
+
+/// Why nothing can be derived for a topic.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum MissingReason {
+    /// The log has no samples of a kind that is needed.
+    NoSamples {
+        /// The kind.
+        sample: Kind,
+        /// Why it has none.
+        reason: String,
+    },
+    /// Too few of them are usable.
+    TooFewUsable {
+        /// The kind.
+        sample: Kind,
+        /// How many it takes.
+        needed: u64,
+        /// Where they come from.
+        topic: String,
+        /// How many are usable, and how many are not, for which reason.
+        #[serde(flatten)]
+        tally: Tally,
+    },
+    /// No two attitude samples belong together.
+    NoneAdjacent {
+        /// How often the next was too late.
+        gaps: u64,
+        /// How often the estimator was reset in between.
+        resets: u64,
+    },
+}
+
+/// An error says these words, so they are the library's.
+impl fmt::Display for MissingReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSamples { reason, .. } => f.write_str(reason),
+            Self::TooFewUsable {
+                sample,
+                needed,
+                topic,
+                tally,
+            } => {
+                let kind = sample.name();
+                match needed {
+                    1 => write!(f, "it takes a usable {kind} sample")?,
+                    _ => write!(f, "it takes {needed} usable {kind} samples")?,
+                }
+                let (used, total) = (tally.used, tally.total());
+                write!(f, ", and {topic} has {used} of {total} usable")?;
+                for (reason, count) in &tally.dropped {
+                    write!(f, ", {count} {reason}")?;
+                }
+                Ok(())
+            }
+            Self::NoneAdjacent { gaps, resets } => write!(
+                f,
+                "no two attitude samples belong together (gaps between them: {gaps}, resets: {resets})"
+            ),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What the user should know of a log or of a result besides.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{CameraReport, lossy};
+use crate::{
+    log::Log,
+    source::{Source, TooLarge},
+    writer::{Layout, provenance::EarlierRun},
+};
+
+/// What the user should know of a log or of a result besides.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Note {
+    /// An earlier run that changed the log was cut short; the log was first brought back to what it was before.
+    Recovered,
+    /// The log was already enriched, and the result replaces the earlier one.
+    Replaced {
+        /// How the earlier one was made.
+        earlier: EarlierRun,
+    },
+    /// The log is already enriched, and its original was inspected.
+    OriginalInspected {
+        /// How it was enriched.
+        earlier: EarlierRun,
+    },
+    /// The layout of the result cannot be undone.
+    CannotBeUndone,
+    /// The log was never closed. All of its records were used, and the result is closed.
+    NeverClosed,
+    /// The log breaks off in the middle of a record.
+    BreaksOff {
+        /// Where the last whole record ends.
+        offset: u64,
+        /// How many bytes follow, which cannot be read.
+        lost_bytes: u64,
+    },
+    /// The log does not end like one that was closed, but its data is whole. The result is closed.
+    NotClosedButWhole,
+    /// The log has no readable summary. The result has one.
+    SummaryMissing,
+    /// The log's summary is incomplete or wrong. The result's is complete.
+    SummaryIncomplete,
+    /// The log has messages outside chunks, which a chunk index would hide.
+    LooseMessages {
+        /// [`Append`](Layout::Append): the result has no chunk index, so seeking in it takes longer.
+        /// [`Interleaved`](Layout::Interleaved): they are in chunks there.
+        layout: Layout,
+    },
+    /// Messages could not be decoded as their schema says.
+    Undecodable {
+        /// How many samples they would have been.
+        samples: u64,
+    },
+    /// The log's data does not have the checksum that the log says. The result has none.
+    ChecksumWrong,
+    /// The log has a gimbal's angles, and the user said otherwise how the camera is mounted.
+    GimbalIgnored {
+        /// Where they are.
+        topic: String,
+        /// How the camera is mounted.
+        camera: CameraReport,
+    },
+    /// The samples have times before the log's first message or after its last.
+    TimesOutsideLog,
+    /// Angles were read as radians, and one is larger than an angle in radians can be.
+    SuspiciousAngle {
+        /// Where they are.
+        topic: String,
+        /// The largest.
+        angle: f64,
+    },
+    /// All channels of the log are ROS 2, and the new ones are not, so that ROS 2 tools refuse the result.
+    NewChannelsNotRos2,
+    /// A channel of the log is not ROS 2, so that ROS 2 tools refuse the result although the new ones are.
+    ChannelNotRos2 {
+        /// The channel's topic.
+        topic: String,
+        /// How its messages are encoded.
+        message_encoding: String,
+    },
+    /// The log goes on after January 2038, when ROS 2 stamps overflow. Later stamps are clamped; log times are
+    /// right.
+    Ros2StampOverflow,
+    /// The result, or the log, is in the folder of a ROS 2 bag, whose description does not list the new topics.
+    BagMetadataOutdated {
+        /// The description.
+        #[serde(serialize_with = "lossy")]
+        path: PathBuf,
+    },
+}
+
+impl Note {
+    /// Of a log of which a change in place had been cut short.
+    pub(crate) fn on_recovery(log: &Log) -> Option<Self> {
+        log.file.was_recovered().then_some(Self::Recovered)
+    }
+
+    /// Of a log that breaks off, if anything is lost.
+    pub(crate) fn on_lost_end(log: &Log) -> Option<Self> {
+        let offset = log.breaks_off_at?;
+        let lost_bytes = log.file.length() - offset;
+        (lost_bytes > 0).then_some(Self::BreaksOff { offset, lost_bytes })
+    }
+    /// Of telemetry whose angles are too large for radians, after all messages were read.
+    pub(crate) fn on_suspicious_angle(source: &Source) -> Option<Self> {
+        let TooLarge { topic, angle } = source.suspicion()?;
+        Some(Self::SuspiciousAngle { topic, angle })
+    }
+}
