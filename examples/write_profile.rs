@@ -10,18 +10,17 @@
 use std::error::Error;
 
 use flightcam::source::profile::{
-    AttitudeSource, Components, Euler, Orientation, Place, Profile, VelocitySource,
+    Alternative, AttitudeFields, Components, Euler, Orientation, Place, Profile, RoleFields,
+    VelocityFields,
     convention::{AngleUnit, Convention, SpeedUnit, VelocityFrame},
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
     let place = Place {
-        topics: vec!["/drone/state".to_owned()],
         schemas: vec!["demo.DroneState".to_owned()],
-        ..Place::default()
+        ..Place::on("/drone/state")
     };
-    let attitude = AttitudeSource {
-        place: place.clone(),
+    let attitude = AttitudeFields {
         orientation: Orientation::Euler(Euler {
             roll: "roll".parse()?,
             pitch: "pitch".parse()?,
@@ -31,18 +30,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         convention: Convention::FrdNed,
         reset_counter: None,
     };
-    let velocity = VelocitySource {
-        place,
+    let velocity = VelocityFields {
         vector: Components::Each(["vx".parse()?, "vy".parse()?, "vz".parse()?]),
         frame: VelocityFrame::Ned,
         unit: SpeedUnit::MetresPerSecond,
         required: true,
     };
-    let profile = Profile {
-        description: "flightcam's demonstration flight".to_owned(),
-        velocity: vec![velocity],
-        ..Profile::of_attitude("demonstration", attitude)
-    };
+    let mut profile = Profile::new("demonstration")
+        .with(Alternative {
+            place: place.clone(),
+            fields: RoleFields::Attitude(attitude),
+        })
+        .with(Alternative {
+            place,
+            fields: RoleFields::Velocity(velocity),
+        });
+    profile.description = "flightcam's demonstration flight".to_owned();
     print!("{}", toml::to_string(&profile)?);
     Ok(())
 }

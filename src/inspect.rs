@@ -25,7 +25,7 @@ use crate::{
     report::{CameraReport, MissingReason, MissingTopic, Note, ProfileReport, lossy},
     run::RunError,
     sample::{Kind, Sample, Tallies, Tally},
-    source::{RoleSource, RunnerUp, Source},
+    source::{Origin, RunnerUp, Source, error::Misfit},
     writer::original::Original,
 };
 pub use first_sample::FirstSample;
@@ -118,7 +118,7 @@ pub enum RoleReport {
     /// There are none.
     Missing {
         /// Why.
-        missing: String,
+        missing: Misfit,
     },
 }
 
@@ -157,7 +157,7 @@ impl FoundRole {
     /// Of a log whose telemetry was logged at these times, by channel, each channel's in order.
     fn new(
         log: &Log,
-        role: &RoleSource,
+        role: &Origin,
         times: &BTreeMap<u16, Vec<u64>>,
         tally: &Tally,
         first: Option<&Sample>,
@@ -289,21 +289,21 @@ impl Telemetry {
         };
         let sampled = Sampled::read(log, source)?;
         let times = log.message_times(&source.channel_ids())?;
-        let roles = source.roles.iter().map(|(&kind, role)| {
+        let roles = source.roles().into_iter().map(|(kind, role)| {
             let role = match role {
                 Ok(role) => {
                     let (tally, first) = (&sampled.tallies[kind], sampled.first.get(&kind));
                     RoleReport::Found(Box::new(FoundRole::new(log, role, &times, tally, first)))
                 }
-                Err(reason) => RoleReport::Missing {
-                    missing: reason.clone(),
+                Err(misfit) => RoleReport::Missing {
+                    missing: misfit.clone(),
                 },
             };
             (kind, role)
         });
         let mut telemetry = Self {
             profile: ProfileReport::new(source, &options.telemetry.profile),
-            namespace: source.namespace.clone(),
+            namespace: source.namespace().to_owned(),
             runners_up: source.runners_up.clone(),
             camera: camera.map(CameraReport::from),
             roles: roles.collect(),
@@ -354,7 +354,7 @@ impl Telemetry {
             }),
             RoleReport::Missing { missing } => Err(MissingReason::NoSamples {
                 sample: kind,
-                reason: missing.clone(),
+                misfit: missing.clone(),
             }),
         }
     }

@@ -59,7 +59,9 @@ impl Options {
                 }),
                 _ => Err(CameraError::TiltedMount),
             },
-            (None, Some(_)) if self.telemetry.gimbal.is_some() => Err(CameraError::GimbalAndMount),
+            (None, Some(_)) if self.telemetry.roles.contains_key(&Kind::Gimbal) => {
+                Err(CameraError::GimbalAndMount)
+            }
             (None, Some(mount)) => Ok(Camera::Fixed(mount)),
             (None, None) if source.role(Kind::Gimbal).is_some() => Ok(Camera::Gimbal),
             (None, None) => Err(CameraError::Unknown),

@@ -18,7 +18,7 @@ use crate::{
     camera::Camera,
     messages::{Encoding, EncodingChoice},
     sample::{Kind, Tallies, Tally},
-    source::{RoleSource, Source, profile::ProfileChoice},
+    source::{Origin, Source, profile::ProfileChoice},
     transform::Breaks,
     writer::Layout,
 };
@@ -74,7 +74,7 @@ pub struct ProfileReport {
     /// Who chose it.
     pub chosen: Chosen,
     /// Where it finds the attitude, which is what profiles are chosen by.
-    pub attitude: RoleSource,
+    pub attitude: Origin,
 }
 
 /// Who chose something.

@@ -1,30 +1,32 @@
-//! How a log says it: the profile that fits, the channels that it names, and their messages → samples.
+//! A log's telemetry: the profile that fits, the channels that it names, and their messages → samples.
 
-pub mod candidates;
+pub mod error;
 pub mod profile;
 pub mod request;
+pub mod stream_filter;
 
-mod alternative;
-mod binder;
-mod binding;
+mod bind;
 mod channel;
-mod finder;
-mod selection;
-mod topic;
+mod pattern;
+mod select;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 use mcap::records::Channel;
-use serde::Serialize;
+use serde::{Serialize, Serializer, ser::SerializeStruct};
 
 use crate::{
     decode::path::FieldPath,
     log::{Log, record::RawMessage},
     sample::{DropReason, Kind, Sample},
 };
-use channel::{ChannelSource, LargestAngles};
-use finder::Fit;
+use channel::{ChannelReader, LargestAngles};
+use error::Misfit;
 use profile::Profile;
+use select::Fit;
 
 /// The telemetry of one log: which channels have it, and how to read their messages. Clones may read some of the
 /// messages each, and be [merged](Source::merge) again.
@@ -32,19 +34,15 @@ use profile::Profile;
 pub struct Source {
     /// The profile that fits.
     pub profile: Profile,
-    /// The prefix of the vehicle's topics; empty for a vehicle without.
-    pub namespace: String,
-    /// Where each kind of sample comes from, or why the log has none.
-    pub roles: BTreeMap<Kind, Result<RoleSource, String>>,
     /// The other profiles that were tried, the better ones first.
     pub runners_up: Vec<RunnerUp>,
     fit: Fit,
-    channels: BTreeMap<u16, ChannelSource>,
+    channels: BTreeMap<u16, ChannelReader>,
 }
 
 /// Where one kind of sample comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct RoleSource {
+pub struct Origin {
     /// The topic.
     pub topic: String,
     /// The fields of its messages.
@@ -52,18 +50,16 @@ pub struct RoleSource {
 }
 
 /// A profile that was tried and not chosen.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RunnerUp {
     /// As the profile calls itself.
     pub profile: String,
-    /// Whether it would fit, if not as well.
-    pub fits: bool,
-    /// What it found, or what it did not find.
-    pub reason: String,
+    /// Where it finds the attitude, if it fits, though not as well; or why it does not fit.
+    pub attitude: Result<Origin, Misfit>,
 }
 
 /// An attitude whose angles are larger than radians can be.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TooLarge {
     /// The attitude's topic.
     pub topic: String,
@@ -71,18 +67,15 @@ pub struct TooLarge {
     pub angle: f64,
 }
 
-impl RoleSource {
-    /// What was found, in words.
-    pub fn reason(&self) -> String {
-        let names: Vec<String> = self.fields.iter().map(FieldPath::to_string).collect();
-        format!("{} has {}", self.topic, names.join(", "))
-    }
-}
-
 impl Source {
+    /// The prefix of the vehicle's topics; empty for a vehicle without.
+    pub fn namespace(&self) -> &str {
+        &self.fit.namespace
+    }
+
     /// Where the attitude comes from, which no source is without.
-    pub fn attitude(&self) -> &RoleSource {
-        self.role(Kind::Attitude).expect("a source has an attitude")
+    pub fn attitude(&self) -> &Origin {
+        &self.fit.attitude
     }
 
     /// The channel with the attitude; of several on its topic, the first.
@@ -96,14 +89,19 @@ impl Source {
             .record
     }
 
+    /// Where each kind of sample comes from, or why the log has none.
+    pub fn roles(&self) -> BTreeMap<Kind, Result<&Origin, &Misfit>> {
+        self.fit.roles()
+    }
+
     /// Where samples of a kind come from, if from anywhere.
-    pub fn role(&self, kind: Kind) -> Option<&RoleSource> {
-        self.roles.get(&kind)?.as_ref().ok()
+    pub fn role(&self, kind: Kind) -> Option<&Origin> {
+        self.fit.role(kind).ok()
     }
 
     /// Why there are no samples of a kind, if there are none.
-    pub fn why_missing(&self, kind: Kind) -> Option<&str> {
-        self.roles.get(&kind)?.as_ref().err().map(String::as_str)
+    pub fn why_missing(&self, kind: Kind) -> Option<&Misfit> {
+        self.fit.role(kind).err()
     }
 
     /// The channels that have telemetry.
@@ -113,7 +111,7 @@ impl Source {
 
     /// Whether the times of samples are log times.
     pub fn is_in_log_time(&self) -> bool {
-        self.channels.values().all(ChannelSource::is_in_log_time)
+        self.channels.values().all(ChannelReader::is_in_log_time)
     }
 
     /// Reads one message. `emit` gets a sample, or why there is none, for each kind that the channel has.
@@ -138,12 +136,42 @@ impl Source {
 
     /// What the user should look at twice, after all messages were read.
     pub fn suspicion(&self) -> Option<TooLarge> {
-        let angles = self.channels.values().map(ChannelSource::largest_angles);
+        let angles = self.channels.values().map(ChannelReader::largest_angles);
         let largest = angles.fold(LargestAngles::default(), LargestAngles::max);
         // A little more than a quarter and a full turn, for filters that overshoot.
         let limits = [(largest.pitch, 1.6), (largest.roll_or_yaw, 6.3)];
         let (angle, _) = limits.into_iter().find(|(angle, limit)| angle > limit)?;
         let topic = self.attitude().topic.clone();
         Some(TooLarge { topic, angle })
+    }
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fields: Vec<String> = self.fields.iter().map(FieldPath::to_string).collect();
+        write!(f, "{} has {}", self.topic, fields.join(", "))
+    }
+}
+
+impl fmt::Display for TooLarge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { topic, angle } = self;
+        write!(
+            f,
+            "{topic} has an angle of {angle:.1}, read as radians like all of its angles"
+        )
+    }
+}
+
+impl Serialize for RunnerUp {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("RunnerUp", 3)?;
+        fields.serialize_field("profile", &self.profile)?;
+        fields.serialize_field("fits", &self.attitude.is_ok())?;
+        match &self.attitude {
+            Ok(attitude) => fields.serialize_field("attitude", attitude)?,
+            Err(misfit) => fields.serialize_field("misfit", misfit)?,
+        }
+        fields.end()
     }
 }

@@ -1,5 +1,7 @@
 //! The way out of an error, in terms of the command line.
 
+mod telemetry;
+
 use flightcam::{
     Error,
     camera::CameraError,
@@ -25,6 +27,7 @@ pub fn hint(error: &Error) -> Option<String> {
         Error::Camera(error) => of_the_camera(*error)?,
         Error::Write(error) => of_writing(error)?,
         Error::Journal(error) => of_the_journal(error)?,
+        Error::Telemetry(error) => return telemetry::hint(error),
         Error::Run(RunError::PassedOn { cause }) => return hint(cause),
         Error::Run(error) => of_the_run(error)?,
         _ => return None,
@@ -125,8 +128,7 @@ pub fn is_usage(error: &Error) -> bool {
         Error::Camera(_)
         | Error::Write(WriteError::OutputIsInput { .. })
         | Error::Run(RunError::InterleavedInPlace | RunError::InterleavedStream)
-        | Error::UnknownProfile { .. }
-        | Error::BadProfile { .. } => true,
+        | Error::Profile(_) => true,
         Error::Run(RunError::PassedOn { cause }) => is_usage(cause),
         _ => false,
     }

@@ -109,11 +109,10 @@ fn describe_log(inspection: &Inspection) -> String {
 
 fn describe_telemetry(line: &mut impl FnMut(&str, &str), telemetry: &Telemetry) {
     line("Profile", &words::profile(&telemetry.profile));
-    for other in telemetry.runners_up.iter().filter(|other| other.fits) {
-        let RunnerUp {
-            profile, reason, ..
-        } = other;
-        line("", &format!("{profile} fits less well: {reason}"));
+    for RunnerUp { profile, attitude } in &telemetry.runners_up {
+        if let Ok(attitude) = attitude {
+            line("", &format!("{profile} fits less well: {attitude}"));
+        }
     }
     if !telemetry.namespace.is_empty() {
         line("Vehicle", &telemetry.namespace);

@@ -3,12 +3,10 @@
 use clap::Args;
 use flightcam::{
     Error,
+    sample::Kind,
     source::{
-        profile::{
-            AttitudeSource, GimbalSource, PositionSource, Profile, ProfileChoice, TimeSource,
-            VelocitySource,
-        },
-        request::{Request, RoleArgument, namespace},
+        profile::{Profile, ProfileChoice, SampleTime},
+        request::{BadArgument, Request, RoleArgument, namespace},
     },
 };
 
@@ -61,40 +59,51 @@ pub struct TelemetryArguments {
     namespace: Option<String>,
 
     /// Where the drone's attitude is, if not where the profile says, as in /pose.orientation:flu-enu
-    #[arg(long, value_name = "PATHS[:CONVENTION]")]
-    attitude: Option<RoleArgument<AttitudeSource>>,
+    #[arg(long, value_name = "PATHS[:CONVENTION]", value_parser = role(Kind::Attitude))]
+    attitude: Option<RoleArgument>,
 
     /// Where the drone's velocity over ground is, as in /gps.vel:ned
-    #[arg(long, value_name = "PATHS:AXES[:UNIT]")]
-    velocity: Option<RoleArgument<VelocitySource>>,
+    #[arg(long, value_name = "PATHS:AXES[:UNIT]", value_parser = role(Kind::Velocity))]
+    velocity: Option<RoleArgument>,
 
     /// Where the angles of a gimbal that moves are, as in /gimbal.pitch:degrees; the camera follows them
-    #[arg(long, value_name = "PATHS:UNIT|REFERENCE")]
-    gimbal: Option<RoleArgument<GimbalSource>>,
+    #[arg(long, value_name = "PATHS:UNIT|REFERENCE", value_parser = role(Kind::Gimbal))]
+    gimbal: Option<RoleArgument>,
 
     /// Where the drone's position is, as in /gps.lat,/gps.lon,/gps.alt:degrees
-    #[arg(long, value_name = "PATHS:UNIT|AXES")]
-    position: Option<RoleArgument<PositionSource>>,
+    #[arg(long, value_name = "PATHS:UNIT|AXES", value_parser = role(Kind::Position))]
+    position: Option<RoleArgument>,
 
     /// What the time of a sample is: when it was logged, when it was published, or what a field of the message
     /// says in s, ms, us or ns, as in header.stamp or time_usec:us [default: as the profile says, mostly log]
     #[arg(long, value_name = "log|publish|FIELD[:UNIT]")]
-    time: Option<TimeSource>,
+    time: Option<SampleTime>,
+}
+
+/// Parses the argument of a role.
+fn role(kind: Kind) -> impl Fn(&str) -> Result<RoleArgument, BadArgument> + Clone {
+    move |text| RoleArgument::parse(kind, text)
 }
 
 impl TelemetryArguments {
     /// As the library takes it.
     pub fn request(&self) -> Result<Request, Error> {
+        let roles = [
+            (Kind::Attitude, &self.attitude),
+            (Kind::Velocity, &self.velocity),
+            (Kind::Gimbal, &self.gimbal),
+            (Kind::Position, &self.position),
+        ];
+        let given = roles
+            .into_iter()
+            .filter_map(|(kind, argument)| Some((kind, argument.clone()?)));
         Ok(Request {
             profile: match &self.profile {
                 Some(name_or_file) => ProfileChoice::Given(Box::new(Profile::load(name_or_file)?)),
                 None => ProfileChoice::Automatic,
             },
             namespace: self.namespace.clone(),
-            attitude: self.attitude.clone(),
-            velocity: self.velocity.clone(),
-            gimbal: self.gimbal.clone(),
-            position: self.position.clone(),
+            roles: given.collect(),
             time: self.time.clone(),
         })
     }

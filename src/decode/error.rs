@@ -53,16 +53,12 @@ pub enum SchemaError {
         "its field `{path}` does not exist, because the list has {length} elements, counted from 0"
     )]
     OutOfRange { path: FieldPath, length: usize },
-    #[error("its messages are of type `{name}`, not {}", wanted.join(" or "))]
-    OtherType { name: String, wanted: Vec<String> },
     #[error("its field `{path}` is not {wanted} but {kind}")]
     WrongShape {
         path: FieldPath,
         wanted: Expected,
         kind: FieldKind,
     },
-    #[error("its field `{path}` is a number, and its unit is not told: s, ms, us or ns")]
-    NoUnit { path: FieldPath },
     #[error("its field `{path}` is wanted both as a whole and in part")]
     Overlap { path: FieldPath },
     #[error(
@@ -165,7 +161,6 @@ impl SchemaError {
             Self::NotThere { .. }
             | Self::OutOfRange { .. }
             | Self::WrongShape { .. }
-            | Self::NoUnit { .. }
             | Self::Overlap { .. } => 1,
             _ => usize::MAX,
         }

@@ -18,7 +18,7 @@ use crate::{
     progress::{Watch, Watcher},
     report::Report,
     run::{Left, RunError},
-    source::candidates::Candidates,
+    source::stream_filter::StreamFilter,
     writer::{
         Layout, WriteError,
         copy::copy_end,
@@ -105,7 +105,7 @@ fn pass_on(
     if options.layout == Layout::Interleaved {
         return Err(RunError::InterleavedStream.into());
     }
-    let mut candidates = Candidates::new(&options.telemetry);
+    let mut filter = StreamFilter::new(&options.telemetry);
     let watched = Named {
         name: input.name,
         stream: Watched {
@@ -118,7 +118,7 @@ fn pass_on(
         name,
         stream: output,
     };
-    let passed = pass_through(watched, output, |passing| candidates.include(passing));
+    let passed = pass_through(watched, output, |passing| filter.include(passing));
     // That the run shall end is told to the reader of the stream in no words of its own.
     passed.map_err(|error| watcher.bytes(0, 0).err().unwrap_or(error.into()))
 }

@@ -34,7 +34,7 @@ impl Findings<'_> {
         let profile_toml = toml::to_string(profile);
         add("max_gap_s", self.options.max_gap.seconds().to_string());
         add("profile", profile.name.clone());
-        add("namespace", self.source.namespace.clone());
+        add("namespace", self.source.namespace().to_owned());
         add(
             "profile_toml",
             profile_toml.expect("a profile was read from TOML"),

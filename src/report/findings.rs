@@ -70,9 +70,9 @@ impl<'a> Findings<'a> {
                 resets: self.breaks.resets,
             },
             Quantity::CameraVelocity => match self.source.why_missing(Kind::Velocity) {
-                Some(reason) => MissingReason::NoSamples {
+                Some(misfit) => MissingReason::NoSamples {
                     sample: Kind::Velocity,
-                    reason: reason.to_owned(),
+                    misfit: misfit.clone(),
                 },
                 None => self.too_few_usable(Kind::Velocity, 1),
             },

@@ -4,10 +4,13 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::sample::{Kind, Tally};
+use crate::{
+    sample::{Kind, Tally},
+    source::error::Misfit,
+};
 
 /// A topic that the result does not have.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct MissingTopic {
     /// Its name.
@@ -17,7 +20,7 @@ pub struct MissingTopic {
 }
 
 /// Why nothing can be derived for a topic.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum MissingReason {
@@ -26,7 +29,7 @@ pub enum MissingReason {
         /// The kind.
         sample: Kind,
         /// Why it has none.
-        reason: String,
+        misfit: Misfit,
     },
     /// Too few of them are usable.
     TooFewUsable {
@@ -53,7 +56,7 @@ pub enum MissingReason {
 impl fmt::Display for MissingReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoSamples { reason, .. } => f.write_str(reason),
+            Self::NoSamples { misfit, .. } => misfit.fmt(f),
             Self::TooFewUsable {
                 sample,
                 needed,

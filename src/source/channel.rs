@@ -2,18 +2,17 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{
-    binding::{
-        BoundComponents, BoundCondition, BoundOrientation, BoundTest, BoundTime, Quantity, Reading,
-        Role, Slot,
+    bind::{BindError, BoundRole, Reading, Slot, TimeSlots},
+    profile::{
+        AttitudeFields, Components, Condition, Coordinates, Euler, Orientation, Pitch, RoleFields,
+        SampleTime, Test, convention::AngleUnit,
     },
-    profile::convention::AngleUnit,
 };
 use crate::{
     decode::{
-        error::SchemaError,
         field::Wanted,
         schema::{MessageDecoder, MessageSchema},
         value::{FieldValue, Number, Slots, Undecodable},
@@ -32,10 +31,10 @@ const QUATERNION_LENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// Reads samples from one channel's messages. A clone reads others at the same time.
 #[derive(Debug, Clone)]
-pub struct ChannelSource {
+pub struct ChannelReader {
     decoder: Arc<MessageDecoder>,
     slots: Slots,
-    roles: Arc<[Role]>,
+    roles: Arc<[BoundRole]>,
     largest: LargestAngles,
 }
 
@@ -56,13 +55,13 @@ impl LargestAngles {
     }
 }
 
-impl ChannelSource {
+impl ChannelReader {
     /// For roles that were bound to the channel's schema, which wants these fields.
     pub fn new(
         schema: &MessageSchema,
         wanted: &[Wanted],
-        roles: Vec<Role>,
-    ) -> Result<Self, SchemaError> {
+        roles: Vec<BoundRole>,
+    ) -> Result<Self, BindError> {
         Ok(Self {
             decoder: Arc::new(schema.decoder(wanted)?),
             slots: Slots::new(wanted),
@@ -83,7 +82,7 @@ impl ChannelSource {
         for role in &*self.roles {
             let sample = decoded.map_err(DropReason::from).and_then(|()| {
                 let reading = reading_for(role, values)?;
-                self.largest = self.largest.max(largest_angles(&reading.quantity, values));
+                self.largest = self.largest.max(largest_angles(&reading.fields, values));
                 reading.sample(message, values)
             });
             emit(role.kind, sample);
@@ -93,7 +92,7 @@ impl ChannelSource {
     /// Whether the times of samples are log times.
     pub fn is_in_log_time(&self) -> bool {
         let mut readings = self.roles.iter().flat_map(|role| &role.readings);
-        readings.all(|reading| matches!(reading.time, BoundTime::LogTime))
+        readings.all(|reading| matches!(reading.time, SampleTime::LogTime))
     }
 
     /// Takes over what a clone learnt from the messages that it read.
@@ -108,7 +107,7 @@ impl ChannelSource {
 }
 
 /// The reading that applies to a message.
-fn reading_for<'a>(role: &'a Role, values: &[FieldValue]) -> Result<&'a Reading, DropReason> {
+fn reading_for<'a>(role: &'a BoundRole, values: &[FieldValue]) -> Result<&'a Reading, DropReason> {
     for reading in &role.readings {
         match &reading.condition {
             Some(condition) if !condition.holds(values)? => {}
@@ -118,12 +117,12 @@ fn reading_for<'a>(role: &'a Role, values: &[FieldValue]) -> Result<&'a Reading,
     Err(DropReason::UnknownFrame)
 }
 
-impl BoundCondition {
+impl Condition<Slot, i64> {
     fn holds(&self, values: &[FieldValue]) -> Result<bool, DropReason> {
-        let number = values[self.slot].exact().ok_or(DropReason::MissingField)?;
+        let number = exact(values, self.field)?;
         Ok(match self.test {
-            BoundTest::Is(wanted) => number.is(wanted),
-            BoundTest::HasBits(bits) => number.bits() & bits != 0,
+            Test::Is(wanted) | Test::Says(wanted) => number.is(wanted),
+            Test::HasBits(bits) => number.bits() & bits != 0,
         })
     }
 }
@@ -134,70 +133,33 @@ impl Reading {
             log_time: self.time.read(message, values)?,
             publish_time: message.publish_time,
         };
-        let sample = match &self.quantity {
-            Quantity::Attitude {
-                orientation,
-                convention,
-                reset_counter,
-            } => Sample::Attitude(AttitudeSample {
+        let sample = match &self.fields {
+            RoleFields::Attitude(attitude) => Sample::Attitude(AttitudeSample {
                 stamp,
-                orientation: convention.attitude(orientation.read(values)?),
-                reset_counter: match reset_counter {
-                    Some(slot) => {
-                        let counter = values[*slot].exact().ok_or(DropReason::MissingField)?;
-                        Some(counter.bits())
-                    }
+                orientation: (attitude.convention).attitude(attitude.orientation.read(values)?),
+                reset_counter: match &attitude.reset_counter {
+                    Some(counter) => Some(exact(values, counter.field)?.bits()),
                     None => None,
                 },
             }),
-            Quantity::Velocity {
-                vector,
-                frame,
-                unit,
-            } => {
-                let vector = vector.finite(values)?;
-                let per = unit.per_metre_per_second();
+            RoleFields::Velocity(velocity) => {
+                let vector = velocity.vector.finite(values)?;
+                let per = velocity.unit.per_metre_per_second();
                 Sample::Velocity(VelocitySample {
                     stamp,
-                    velocity: frame.velocity(vector.map(|component| component / per)),
+                    velocity: (velocity.frame).velocity(vector.map(|component| component / per)),
                 })
             }
-            Quantity::Gimbal {
-                orientation,
-                convention,
-                reference,
-            } => Sample::Gimbal(GimbalSample {
+            RoleFields::Gimbal(gimbal) => Sample::Gimbal(GimbalSample {
                 stamp,
-                orientation: convention.gimbal(orientation.read(values)?, *reference),
-                reference: *reference,
+                orientation: (gimbal.convention)
+                    .gimbal(gimbal.orientation.read(values)?, gimbal.reference),
+                reference: gimbal.reference,
             }),
-            Quantity::Geodetic {
-                latitude_longitude_altitude,
-                unit,
-                altitude_unit,
-            } => {
-                let [latitude, longitude, altitude] = latitude_longitude_altitude.finite(values)?;
-                Sample::Position(PositionSample {
-                    stamp,
-                    position: Position::Geodetic {
-                        latitude: unit.to_degrees(latitude),
-                        longitude: unit.to_degrees(longitude),
-                        altitude: altitude / altitude_unit.per_metre(),
-                    },
-                })
-            }
-            Quantity::Local {
-                vector,
-                frame,
-                unit,
-            } => {
-                let vector = vector.finite(values)?;
-                let metres = vector.map(|component| component / unit.per_metre());
-                Sample::Position(PositionSample {
-                    stamp,
-                    position: Position::Local(frame.ned(metres)),
-                })
-            }
+            RoleFields::Position(coordinates) => Sample::Position(PositionSample {
+                stamp,
+                position: coordinates.read(values)?,
+            }),
         };
         for &slot in &self.valid {
             if number(values, slot)? == 0.0 {
@@ -208,17 +170,18 @@ impl Reading {
     }
 }
 
-impl BoundTime {
+impl SampleTime<TimeSlots> {
     /// Nanoseconds since the log's epoch.
-    fn read(self, message: &RawMessage, values: &[FieldValue]) -> Result<u64, DropReason> {
-        let exact = |slot: Slot| values[slot].exact().ok_or(DropReason::MissingField);
-        let nanoseconds = match self {
+    fn read(&self, message: &RawMessage, values: &[FieldValue]) -> Result<u64, DropReason> {
+        let nanoseconds = match *self {
             Self::LogTime => Some(message.log_time),
             Self::PublishTime => Some(message.publish_time),
-            Self::Number { slot, unit } => in_nanoseconds(exact(slot)?, unit.nanoseconds()),
-            Self::SecondsAndNanoseconds([seconds, nanoseconds]) => {
-                let seconds = in_nanoseconds(exact(seconds)?, 1_000_000_000);
-                let nanoseconds = in_nanoseconds(exact(nanoseconds)?, 1);
+            Self::Field(TimeSlots::Number { slot, unit }) => {
+                in_nanoseconds(exact(values, slot)?, unit.nanoseconds())
+            }
+            Self::Field(TimeSlots::SecondsAndNanoseconds([seconds, nanoseconds])) => {
+                let seconds = in_nanoseconds(exact(values, seconds)?, 1_000_000_000);
+                let nanoseconds = in_nanoseconds(exact(values, nanoseconds)?, 1);
                 seconds.zip(nanoseconds).and_then(|(a, b)| a.checked_add(b))
             }
         };
@@ -240,27 +203,28 @@ fn in_nanoseconds(number: Number, unit: u64) -> Option<u64> {
     }
 }
 
-impl BoundOrientation {
+impl Orientation<Slot> {
     fn read(&self, values: &[FieldValue]) -> Result<UnitQuaternion<f64>, DropReason> {
         match self {
-            Self::Quaternion { components, order } => {
-                let numbers = components.read(values, DropReason::NotARotation)?;
-                let quaternion: Quaternion<f64> = order.quaternion(numbers);
+            Self::Quaternion(quaternion) => {
+                let numbers = (quaternion.fields).read(values, DropReason::NotARotation)?;
+                let quaternion = quaternion.order.quaternion(numbers);
                 if !QUATERNION_LENGTHS.contains(&quaternion.norm()) {
                     return Err(DropReason::NotARotation);
                 }
                 Ok(UnitQuaternion::from_quaternion(quaternion))
             }
-            Self::Euler { rpy, unit } => {
-                let [roll, pitch, yaw] = rpy.finite(values)?.map(|angle| unit.to_radians(angle));
+            Self::Euler(euler) => {
+                let angles = euler.angles(values)?;
+                let [roll, pitch, yaw] = angles.map(|angle| euler.unit.to_radians(angle));
                 Ok(RollPitchYaw { roll, pitch, yaw }.to_quaternion())
             }
-            Self::Pitch {
-                slot,
+            Self::Pitch(Pitch {
+                field,
                 unit,
                 positive,
-            } => {
-                let [angle] = BoundComponents::Each([*slot]).finite(values)?;
+            }) => {
+                let [angle] = Components::Each([*field]).finite(values)?;
                 let pitch = positive.up(unit.to_radians(angle));
                 Ok(UnitQuaternion::from_axis_angle(&Vector3::y_axis(), pitch))
             }
@@ -268,7 +232,45 @@ impl BoundOrientation {
     }
 }
 
-impl<const N: usize> BoundComponents<N> {
+impl Euler<Slot> {
+    /// Roll, pitch and yaw in the log's unit.
+    fn angles(&self, values: &[FieldValue]) -> Result<[f64; 3], DropReason> {
+        Components::Each([self.roll, self.pitch, self.yaw]).finite(values)
+    }
+}
+
+impl Coordinates<Slot> {
+    fn read(&self, values: &[FieldValue]) -> Result<Position, DropReason> {
+        Ok(match self {
+            &Self::Geodetic {
+                latitude,
+                longitude,
+                altitude,
+                unit,
+                altitude_unit,
+            } => {
+                let fields = Components::Each([latitude, longitude, altitude]);
+                let [latitude, longitude, altitude] = fields.finite(values)?;
+                Position::Geodetic {
+                    latitude: unit.to_degrees(latitude),
+                    longitude: unit.to_degrees(longitude),
+                    altitude: altitude / altitude_unit.per_metre(),
+                }
+            }
+            Self::Local {
+                vector,
+                frame,
+                unit,
+            } => {
+                let vector = vector.finite(values)?;
+                let metres = vector.map(|component| component / unit.per_metre());
+                Position::Local(frame.ned(metres))
+            }
+        })
+    }
+}
+
+impl<const N: usize> Components<N, Slot> {
     /// The numbers of a vector, if all are there and finite.
     fn finite(&self, values: &[FieldValue]) -> Result<[f64; N], DropReason> {
         self.read(values, DropReason::MissingField)
@@ -283,7 +285,7 @@ impl<const N: usize> BoundComponents<N> {
         let mut numbers = [0.0; N];
         let mut has_all = true;
         match self {
-            Self::List(slot) => {
+            Self::Together(slot) => {
                 let list = &values[*slot];
                 if !list.is_present() {
                     return Err(DropReason::MissingField);
@@ -313,16 +315,18 @@ fn number(values: &[FieldValue], slot: Slot) -> Result<f64, DropReason> {
     values[slot].number().ok_or(DropReason::MissingField)
 }
 
-fn largest_angles(quantity: &Quantity, values: &[FieldValue]) -> LargestAngles {
-    if let Quantity::Attitude {
-        orientation:
-            BoundOrientation::Euler {
-                rpy,
-                unit: AngleUnit::Radians,
-            },
+/// The number with all of its digits.
+fn exact(values: &[FieldValue], slot: Slot) -> Result<Number, DropReason> {
+    values[slot].exact().ok_or(DropReason::MissingField)
+}
+
+fn largest_angles(fields: &RoleFields<Slot>, values: &[FieldValue]) -> LargestAngles {
+    if let RoleFields::Attitude(AttitudeFields {
+        orientation: Orientation::Euler(euler),
         ..
-    } = quantity
-        && let Ok([roll, pitch, yaw]) = rpy.finite(values)
+    }) = fields
+        && euler.unit == AngleUnit::Radians
+        && let Ok([roll, pitch, yaw]) = euler.angles(values)
     {
         return LargestAngles {
             pitch: pitch.abs(),

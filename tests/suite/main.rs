@@ -57,11 +57,12 @@ mod reader {
 
 mod source {
     mod arguments;
-    mod candidates;
     mod namespaces;
     mod pitfalls;
     mod profile_text;
     mod selection;
+    mod stream_filter;
+    mod written_profiles;
 }
 
 mod transform {

@@ -16,7 +16,10 @@ use comparison::{
 use flightcam::{
     camera::Camera,
     sample::{DropReason, Kind, Sample},
-    source::{profile::Profile, request::Request},
+    source::{
+        profile::Profile,
+        request::{Request, RoleArgument},
+    },
 };
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -182,12 +185,12 @@ fn every_topic_that_a_profile_lists_is_found() {
 
 /// The topics of each alternative of each role, where it names any.
 fn topic_lists(profile: &Profile) -> BTreeSet<&Vec<String>> {
-    (profile.attitude.iter().map(|source| &source.place.topics))
-        .chain(profile.velocity.iter().map(|source| &source.place.topics))
-        .chain(profile.gimbal.iter().map(|source| &source.place.topics))
-        .chain(profile.position.iter().map(|source| &source.place.topics))
-        .filter(|topics| !topics.is_empty())
-        .collect()
+    (Kind::ALL
+        .iter()
+        .flat_map(|&kind| profile.alternatives(kind)))
+    .map(|alternative| &alternative.place.topics)
+    .filter(|topics| !topics.is_empty())
+    .collect()
 }
 
 /// The flight with gaps.
@@ -357,11 +360,7 @@ fn a_gimbal_may_be_told_in_any_axes_from_any_reference() {
             let q = turned(flight.gimbal(time));
             (time, serde_json::json!({"q": [q.i, q.j, q.k, q.w]}))
         });
-        let argument = format!("/gimbal.q:xyzw:{words}").parse();
-        let request = Request {
-            gimbal: Some(argument.expect("an argument")),
-            ..Request::default()
-        };
+        let request = with_gimbal(&format!("/gimbal.q:xyzw:{words}"));
         let readings = read(&flat_log_with("/gimbal", gimbal), &request).expect("it fits");
         let following = Motion::derived(&readings.samples, Camera::Gimbal);
         let distance = following.distance(&Motion::of_gimbal(&flight, reference));
@@ -429,6 +428,15 @@ impl OwnGimbal {
     }
 }
 
+/// A request that says where the gimbal is.
+fn with_gimbal(argument: &str) -> Request {
+    let gimbal = RoleArgument::parse(Kind::Gimbal, argument).expect("an argument");
+    Request {
+        roles: [(Kind::Gimbal, gimbal)].into(),
+        ..Request::default()
+    }
+}
+
 /// By how much a camera that follows the gimbal differs from one that is 30° below the horizon.
 fn distance_from_depression(samples: &[Sample]) -> f64 {
     let following = Motion::derived(samples, Camera::Gimbal);
@@ -439,11 +447,7 @@ fn distance_from_depression(samples: &[Sample]) -> f64 {
 fn a_gimbal_that_keeps_its_pitch_is_a_depression() {
     for gimbal in &OWN_GIMBALS {
         let log = gimbal.log();
-        let argument = gimbal.argument.parse().expect("an argument");
-        let told = Request {
-            gimbal: Some(argument),
-            ..Request::default()
-        };
+        let told = with_gimbal(gimbal.argument);
         let profile = Profile::parse(&gimbal.profile()).expect("a profile");
         for request in [told, request(Some(profile))] {
             let samples = read(&log, &request).expect("it fits").samples;

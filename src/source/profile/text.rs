@@ -2,12 +2,11 @@
 
 use toml::{Table, Value};
 
-use super::{GimbalOrientation, PITCH_ALONE, Place, Profile, convention::Convention};
-use crate::{
-    decode::path::MessagePath,
-    sample::{GimbalReference, Kind},
-    source::topic::VEHICLE,
+use super::{
+    Alternative, Profile,
+    error::{BadRole, NotAProfile},
 };
+use crate::{decode::path::MessagePath, sample::Kind, source::pattern::VEHICLE};
 
 /// The keys of a role below which paths are found.
 const WITH_PATHS: [&str; 8] = [
@@ -22,102 +21,86 @@ const WITH_PATHS: [&str; 8] = [
 ];
 
 /// Reads a profile from TOML.
-pub fn parse(toml: &str) -> Result<Profile, String> {
-    let mut table: Table = toml
-        .parse()
-        .map_err(|error: toml::de::Error| error.to_string().trim().to_owned())?;
-    for kind in Kind::ALL {
-        let mut alternatives = match table.get_mut(kind.name()) {
-            Some(Value::Table(role)) => vec![role],
-            Some(Value::Array(roles)) => roles.iter_mut().filter_map(Value::as_table_mut).collect(),
+pub fn parse(toml: &str) -> Result<Profile, NotAProfile> {
+    let mut table: Table = toml.parse().map_err(NotAProfile::Syntax)?;
+    for role in Kind::ALL {
+        let alternatives = match table.get_mut(role.name()) {
+            Some(Value::Table(alternative)) => vec![alternative],
+            Some(Value::Array(list)) => list.iter_mut().filter_map(Value::as_table_mut).collect(),
             _ => Vec::new(),
         };
-        for role in &mut alternatives {
-            check_choices(kind, role)
-                .map_err(|problem| format!("{problem}, in `{}`", kind.name()))?;
-            lift_topic(role).map_err(|problem| format!("{problem}, in `{}`", kind.name()))?;
+        for alternative in alternatives {
+            check_choices(role, alternative)
+                .and_then(|()| lift_topic(alternative))
+                .map_err(|problem| NotAProfile::Role { role, problem })?;
         }
     }
-    let profile: Profile =
-        (table.clone().try_into()).map_err(|error: toml::de::Error| in_one_line(&error))?;
+    let profile: Profile = table.clone().try_into().map_err(NotAProfile::Content)?;
     let known = Table::try_from(&profile).expect("a profile was read from TOML");
     if let Some(key) = unknown_key(&table, &known) {
-        return Err(format!(
-            "unknown key `{key}`; the README lists the keys of a profile"
-        ));
+        return Err(NotAProfile::UnknownKey { key });
     }
     check(&profile)?;
     Ok(profile)
 }
 
 /// Checks that of keys which exclude each other a role has one.
-fn check_choices(kind: Kind, role: &Table) -> Result<(), String> {
-    if kind == Kind::Position {
-        one_of(role, "a position", &["geodetic", "local"])?;
+fn check_choices(role: Kind, alternative: &Table) -> Result<(), BadRole> {
+    if role == Kind::Position {
+        one_of(alternative, "a position", &["geodetic", "local"])?;
     }
-    if let Some(Value::Table(orientation)) = role.get("orientation") {
-        let ways: &[&str] = match kind {
+    if let Some(Value::Table(orientation)) = alternative.get("orientation") {
+        let ways: &[&str] = match role {
             Kind::Gimbal => &["quaternion", "euler", "pitch"],
             _ => &["quaternion", "euler"],
         };
         one_of(orientation, "an orientation", ways)?;
     }
-    match role.get("when") {
+    match alternative.get("when") {
         Some(Value::Table(when)) => one_of(when, "`when`", &["is", "says", "has_bits"]),
         _ => Ok(()),
     }
 }
 
-fn one_of(table: &Table, what: &str, keys: &[&str]) -> Result<(), String> {
-    let given = keys.iter().filter(|key| table.contains_key(**key)).count();
-    let choices = keys.join("`, `");
-    match given {
+fn one_of(table: &Table, what: &'static str, keys: &'static [&'static str]) -> Result<(), BadRole> {
+    match keys.iter().filter(|key| table.contains_key(**key)).count() {
         1 => Ok(()),
-        0 => Err(format!("{what} needs one of `{choices}`")),
-        _ => Err(format!("{what} takes only one of `{choices}`")),
+        0 => Err(BadRole::NoneOf { what, keys }),
+        _ => Err(BadRole::SeveralOf { what, keys }),
     }
 }
 
-/// What is wrong, and in which key.
-fn in_one_line(error: &toml::de::Error) -> String {
-    let text = error.to_string();
-    let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
-    lines.join(", ")
-}
-
-/// Where a role's paths name their topic, as in `/imu.orientation`, takes it out of them and into `topics`.
-fn lift_topic(role: &mut Table) -> Result<(), String> {
+/// Where an alternative's paths name their topic, as in `/imu.orientation`, takes it out of them and into `topics`.
+fn lift_topic(alternative: &mut Table) -> Result<(), BadRole> {
     let mut topics: Vec<String> = Vec::new();
     for key in WITH_PATHS {
-        if let Some(value) = role.get_mut(key) {
+        if let Some(value) = alternative.get_mut(key) {
             lift_from(value, &mut topics)?;
         }
     }
     topics.dedup();
-    match topics.as_slice() {
-        [] => Ok(()),
-        [topic] if role.contains_key("topics") => Err(format!(
-            "a path names the topic {topic}, and there is `topics` as well; leave one of the two out"
-        )),
-        [_] => {
-            let topics = topics.into_iter().map(Value::String).collect();
-            role.insert("topics".to_owned(), Value::Array(topics));
+    let mut topics = topics.into_iter();
+    match (topics.next(), topics.next()) {
+        (None, _) => Ok(()),
+        (Some(one), Some(other)) => Err(BadRole::SeveralTopics {
+            topics: [one, other],
+        }),
+        (Some(topic), None) if alternative.contains_key("topics") => {
+            Err(BadRole::TopicTwice { topic })
+        }
+        (Some(topic), None) => {
+            alternative.insert("topics".to_owned(), vec![topic].into());
             Ok(())
         }
-        [one, other, ..] => Err(format!(
-            "paths name the topics {one} and {other}; what belongs to one sample must come in one message"
-        )),
     }
 }
 
-fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), String> {
+fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), BadRole> {
     match value {
         Value::String(text) if text.starts_with(['/', '"']) => {
-            let path: MessagePath = text.parse().map_err(|error| format!("{error}"))?;
-            let field = path
-                .field
-                .ok_or_else(|| format!("`{text}` names no field"))?;
-            topics.push(path.topic);
+            let MessagePath { topic, field } = text.parse()?;
+            let field = field.ok_or_else(|| BadRole::NoField { path: text.clone() })?;
+            topics.push(topic);
             *text = field.to_string();
             Ok(())
         }
@@ -153,73 +136,76 @@ fn unknown_key_within(given: &Value, known: &Value) -> Option<String> {
 }
 
 /// Checks what the types leave open.
-fn check(profile: &Profile) -> Result<(), String> {
-    if profile.attitude.is_empty() {
-        return Err("`attitude` is empty: it takes at least one alternative".to_owned());
+fn check(profile: &Profile) -> Result<(), NotAProfile> {
+    let attitude = profile.alternatives(Kind::Attitude);
+    let with_topics = (attitude.iter()).filter(|alternative| !alternative.place.topics.is_empty());
+    match with_topics.count() {
+        _ if attitude.is_empty() => return Err(NotAProfile::NoAttitude),
+        0 => {}
+        count if count == attitude.len() => {}
+        _ => return Err(NotAProfile::TopicsOfSome),
     }
-    let named = |place: &Place| !place.topics.is_empty();
-    let count = (profile.attitude.iter())
-        .filter(|source| named(&source.place))
-        .count();
-    if count != 0 && count != profile.attitude.len() {
-        return Err("some alternatives of `attitude` have `topics` and others have not; name the topics of each, or of none".to_owned());
-    }
-    let places = (profile.attitude.iter().map(|source| &source.place))
-        .chain(profile.velocity.iter().map(|source| &source.place))
-        .chain(profile.gimbal.iter().map(|source| &source.place))
-        .chain(profile.position.iter().map(|source| &source.place));
-    let mut topics = places.flat_map(|place| &place.topics);
-    if !profile.namespaced && topics.any(|topic| topic.contains(VEHICLE)) {
-        return Err(format!(
-            "a topic with {VEHICLE} takes `namespaced = true`: a vehicle's number is part of its namespace"
-        ));
-    }
-    for source in &profile.gimbal {
-        if matches!(source.orientation, GimbalOrientation::Pitch(_)) {
-            if source.reference == GimbalReference::Earth {
-                return Err(format!("gimbal: {PITCH_ALONE}"));
+    for role in Kind::ALL {
+        for Alternative { place, fields } in profile.alternatives(role) {
+            if !profile.namespaced && place.topics.iter().any(|topic| topic.contains(VEHICLE)) {
+                return Err(NotAProfile::VehicleWithoutNamespace);
             }
-            if source.convention != Convention::default() {
-                return Err(
-                    "gimbal: a pitch alone has no convention; its sign is told by `positive`"
-                        .to_owned(),
-                );
-            }
+            (fields.check()).map_err(|problem| NotAProfile::Role { role, problem })?;
         }
     }
     Ok(())
 }
 
-/// A list in which a single entry may stand by itself: `[attitude]` for `[[attitude]]`.
-pub mod one_or_more {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::DeserializeOwned};
+/// The alternatives of all roles, each a list under the role's name. A single one may stand by itself: `[attitude]`
+/// for `[[attitude]]`.
+pub mod roles {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error, ser::SerializeMap};
+    use toml::{Table, Value};
 
-    pub fn serialize<T: Serialize, S: Serializer>(
-        list: &[T],
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        list.serialize(serializer)
+    use super::super::{Alternative, Roles, error::in_one_line, fields::RoleFields};
+    use crate::sample::Kind;
+
+    pub fn serialize<S: Serializer>(roles: &Roles, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for role in Kind::LISTED {
+            let alternatives = &roles[role as usize];
+            // A profile is not one without an attitude.
+            if !alternatives.is_empty() || role == Kind::Attitude {
+                map.serialize_entry(role.name(), alternatives)?;
+            }
+        }
+        map.end()
     }
 
-    pub fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Vec<T>, D::Error> {
-        // Not an untagged enum, whose errors would not say which key is wrong.
-        let value = toml::Value::deserialize(deserializer)?;
-        let list = match value {
-            toml::Value::Array(list) => list,
-            single => vec![single],
-        };
-        let of_several = list.len() > 1;
-        let entries = (1..).zip(list).map(|(number, entry)| {
-            entry.try_into().map_err(|error: toml::de::Error| {
-                let problem = super::in_one_line(&error);
-                serde::de::Error::custom(match of_several {
-                    true => format!("{problem}, in alternative {number}"),
-                    false => problem,
-                })
-            })
-        });
-        entries.collect()
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Roles, D::Error> {
+        let mut table = Table::deserialize(deserializer)?;
+        let mut roles = Roles::default();
+        for role in Kind::LISTED {
+            let list = match table.remove(role.name()) {
+                None if role == Kind::Attitude => return Err(Error::missing_field(role.name())),
+                None => continue,
+                Some(Value::Array(list)) => list,
+                Some(single) => vec![single],
+            };
+            let of_several = list.len() > 1;
+            for (number, alternative) in (1..).zip(list) {
+                let alternative = read(role, alternative).map_err(|error| {
+                    let (problem, role) = (in_one_line(&error), role.name());
+                    Error::custom(match of_several {
+                        true => format!("{problem}, in alternative {number}, in `{role}`"),
+                        false => format!("{problem}, in `{role}`"),
+                    })
+                })?;
+                roles[role as usize].push(alternative);
+            }
+        }
+        Ok(roles)
+    }
+
+    fn read(role: Kind, alternative: Value) -> Result<Alternative, toml::de::Error> {
+        Ok(Alternative {
+            place: alternative.clone().try_into()?,
+            fields: RoleFields::read(role, alternative)?,
+        })
     }
 }

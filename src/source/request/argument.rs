@@ -1,146 +1,194 @@
-//! The parts of an argument that tells a role's place: paths, and words behind colons.
+//! Where a role is, as an argument says it.
 
 use std::str::FromStr;
 
-use serde::de::{DeserializeOwned, IntoDeserializer, value::Error as NotOneOf};
+use super::{
+    BadArgument,
+    words::{Parts, REFERENCES, TIME_UNITS, Words, vocabulary},
+};
+use crate::{
+    decode::path::FieldPath,
+    sample::{GimbalReference, Kind},
+    source::profile::{
+        Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Orientation,
+        Pitch, Place, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
+        convention::{AngleUnit, Convention, PositionFrame},
+    },
+};
 
-use super::BadArgument;
-use crate::decode::path::{FieldPath, MessagePath};
-use crate::source::profile::{Components, Euler, Place, Quaternion, convention::AngleUnit};
-
-/// The parts of an argument: the topic, its fields, and the words behind the colons.
-pub struct Parts {
-    pub topic: String,
-    pub fields: Vec<FieldPath>,
-    pub words: Words,
+/// One role's place in the log, as an argument says it: paths of one topic, joined by commas, and after
+/// colons the units and conventions, as in `/imu.roll,/imu.pitch,/imu.yaw:degrees`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RoleArgument {
+    /// Only the topic; the profile says how to read its messages.
+    Topic(String),
+    /// Everything.
+    Fields(Box<Alternative>),
 }
 
-/// Units and conventions that were not used yet.
-pub struct Words(pub Vec<String>);
-
-impl Words {
-    /// Takes the word that names one of a type's variants, as profiles name them.
-    pub fn take<T: DeserializeOwned>(&mut self) -> Option<T> {
-        let read = |word: &String| {
-            let word: serde::de::value::StrDeserializer<NotOneOf> =
-                word.as_str().into_deserializer();
-            T::deserialize(word).ok()
+impl RoleArgument {
+    /// Reads a role's argument.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(role: Kind, text: &str) -> Result<Self, BadArgument> {
+        let Parts {
+            topic,
+            fields,
+            mut words,
+        } = text.parse()?;
+        words.check(vocabulary(role))?;
+        if fields.is_empty() {
+            return match words.0.into_iter().next() {
+                None => Ok(Self::Topic(topic)),
+                Some(word) => Err(BadArgument::NoFields { topic, word }),
+            };
+        }
+        let fields = match role {
+            Kind::Attitude => RoleFields::Attitude(attitude(&fields, &mut words)?),
+            Kind::Velocity => RoleFields::Velocity(velocity(&fields, &mut words)?),
+            Kind::Gimbal => RoleFields::Gimbal(gimbal(&fields, &mut words)?),
+            Kind::Position => RoleFields::Position(position(&fields, &mut words)?),
         };
-        let place = self.0.iter().position(|word| read(word).is_some())?;
-        read(&self.0.remove(place))
+        fields.check()?;
+        words.finish()?;
+        let place = Place::on(topic);
+        Ok(Self::Fields(Alternative { place, fields }.into()))
     }
 
-    /// Complains of what is not among the known words.
-    pub fn check(&self, known: Vocabulary) -> Result<(), BadArgument> {
-        let is_unknown = |word: &&String| !known.iter().any(|group| group.contains(&word.as_str()));
-        match self.0.iter().find(is_unknown) {
-            None => Ok(()),
-            Some(word) => Err(BadArgument(format!(
-                "`{word}` has no meaning here; what can stand behind a colon is {}",
-                in_words(known)
-            ))),
-        }
-    }
-
-    /// Complains of what was not used.
-    pub fn finish(self) -> Result<(), BadArgument> {
-        match self.0.first() {
-            None => Ok(()),
-            Some(word) => Err(BadArgument(format!(
-                "`{word}` does not go with the rest of the argument"
-            ))),
+    /// The topics, as the log has them, whatever the namespace.
+    pub fn topics(&self) -> &[String] {
+        match self {
+            Self::Topic(topic) => std::slice::from_ref(topic),
+            Self::Fields(alternative) => &alternative.place.topics,
         }
     }
 }
 
-/// The words that an argument can have; of each group one.
-pub type Vocabulary = &'static [&'static [&'static str]];
-
-pub const ANGLE_UNITS: &[&str] = &["radians", "degrees", "centidegrees"];
-pub const QUATERNION_ORDERS: &[&str] = &["wxyz", "xyzw"];
-pub const REFERENCES: &[&str] = &["earth", "heading", "airframe"];
-pub const CONVENTIONS: &[&str] = &["frd-ned", "flu-enu"];
-
-fn in_words(vocabulary: Vocabulary) -> String {
-    let groups = vocabulary.iter().map(|group| match group {
-        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
-        group => group.concat(),
-    });
-    groups.collect::<Vec<_>>().join("; ")
+fn attitude(fields: &[FieldPath], words: &mut Words) -> Result<AttitudeFields, BadArgument> {
+    let role = Kind::Attitude;
+    let unit: Option<AngleUnit> = words.take();
+    Ok(AttitudeFields {
+        orientation: match (fields, unit) {
+            ([_, _, _], None) => return Err(BadArgument::NoAngleUnit),
+            (fields, Some(unit)) => Orientation::Euler(euler(role, fields, unit)?),
+            (fields, None) => Orientation::Quaternion(quaternion(role, fields, words)?),
+        },
+        convention: words.take().unwrap_or_default(),
+        reset_counter: None,
+    })
 }
 
-impl FromStr for Parts {
+fn velocity(fields: &[FieldPath], words: &mut Words) -> Result<VelocityFields, BadArgument> {
+    Ok(VelocityFields {
+        vector: components(Kind::Velocity, fields)?,
+        frame: words.take().ok_or(BadArgument::NoAxes)?,
+        unit: words.take().unwrap_or_default(),
+        required: false,
+    })
+}
+
+fn gimbal(fields: &[FieldPath], words: &mut Words) -> Result<GimbalFields, BadArgument> {
+    let role = Kind::Gimbal;
+    let unit: Option<AngleUnit> = words.take();
+    let orientation = match (fields, unit) {
+        ([field], Some(unit)) => {
+            return Ok(GimbalFields {
+                orientation: Orientation::Pitch(Pitch {
+                    field: field.clone(),
+                    unit,
+                    positive: words.take().unwrap_or_default(),
+                }),
+                // A pitch alone has no yaw that would be measured from anything.
+                reference: words.take().unwrap_or(GimbalReference::Heading),
+                // `up` and `down` say its sign.
+                convention: Convention::default(),
+            });
+        }
+        (fields, Some(unit)) => Orientation::Euler(euler(role, fields, unit)?),
+        ([_], None) if !words.has(REFERENCES) => return Err(BadArgument::PitchOrQuaternion),
+        ([_, _, _], None) => return Err(BadArgument::NoAngleUnit),
+        (fields, None) => Orientation::Quaternion(quaternion(role, fields, words)?),
+    };
+    Ok(GimbalFields {
+        orientation,
+        reference: words.take().ok_or(BadArgument::NoReference)?,
+        convention: words.take().unwrap_or_default(),
+    })
+}
+
+fn position(fields: &[FieldPath], words: &mut Words) -> Result<Coordinates, BadArgument> {
+    let unit: Option<AngleUnit> = words.take();
+    let frame: Option<PositionFrame> = words.take();
+    match (unit, frame, fields) {
+        (Some(unit), None, [latitude, longitude, altitude]) => Ok(Coordinates::Geodetic {
+            latitude: latitude.clone(),
+            longitude: longitude.clone(),
+            altitude: altitude.clone(),
+            unit,
+            altitude_unit: words.take().unwrap_or_default(),
+        }),
+        (None, Some(frame), fields) => Ok(Coordinates::Local {
+            vector: components(Kind::Position, fields)?,
+            frame,
+            unit: words.take().unwrap_or_default(),
+        }),
+        _ => Err(BadArgument::NotAPosition),
+    }
+}
+
+/// The only field, or as many as there are components.
+fn components<const N: usize>(
+    role: Kind,
+    fields: &[FieldPath],
+) -> Result<Components<N>, BadArgument> {
+    let count = fields.len();
+    Components::of(fields.to_vec()).map_err(|_| BadArgument::FieldCount { count, role })
+}
+
+fn quaternion(
+    role: Kind,
+    fields: &[FieldPath],
+    words: &mut Words,
+) -> Result<Quaternion, BadArgument> {
+    Ok(Quaternion {
+        fields: components(role, fields)?,
+        order: words.take().unwrap_or_default(),
+    })
+}
+
+fn euler(role: Kind, fields: &[FieldPath], unit: AngleUnit) -> Result<Euler, BadArgument> {
+    let [roll, pitch, yaw] = fields else {
+        return Err(BadArgument::NoAngles { role });
+    };
+    Ok(Euler {
+        roll: roll.clone(),
+        pitch: pitch.clone(),
+        yaw: yaw.clone(),
+        unit,
+    })
+}
+
+impl FromStr for SampleTime {
     type Err = BadArgument;
 
     fn from_str(text: &str) -> Result<Self, BadArgument> {
-        let mut words = split_outside_quotes(text, ':').into_iter();
-        let paths = words.next().unwrap_or_default();
-        let mut topic: Option<String> = None;
-        let mut fields = Vec::new();
-        for path in split_outside_quotes(paths, ',') {
-            let path: MessagePath =
-                (path.trim().parse()).map_err(|error| BadArgument(format!("{error}")))?;
-            match &topic {
-                Some(first) if *first != path.topic => {
-                    return Err(BadArgument(format!(
-                        "{first} and {} are different topics; every path begins with its topic (/imu.roll,/imu.pitch), \
-                         and what belongs to one sample must come in one message",
-                        path.topic
-                    )));
-                }
-                _ => topic = Some(path.topic),
-            }
-            fields.extend(path.field);
-        }
-        Ok(Self {
-            topic: topic.unwrap_or_default(),
-            fields,
-            words: Words(words.map(str::to_owned).collect()),
-        })
-    }
-}
-
-/// Topics in double quotes may have characters that have a meaning elsewhere.
-fn split_outside_quotes(text: &str, separator: char) -> Vec<&str> {
-    let mut is_quoted = false;
-    text.split(|character| {
-        is_quoted ^= character == '"';
-        character == separator && !is_quoted
-    })
-    .collect()
-}
-
-impl Parts {
-    pub fn place(&self) -> Place {
-        Place {
-            topics: vec![self.topic.clone()],
-            ..Place::default()
-        }
-    }
-
-    /// The only field, or as many as there are components.
-    pub fn components<const N: usize>(&self, what: &str) -> Result<Components<N>, BadArgument> {
-        let count = self.fields.len();
-        let wrong = |_| BadArgument(format!("{count} fields were given, but {what}"));
-        Components::of(&self.fields).map_err(wrong)
-    }
-
-    pub fn euler(&mut self, unit: AngleUnit) -> Option<Euler> {
-        let [roll, pitch, yaw] = self.fields.as_slice() else {
-            return None;
+        let (path, unit) = match text.split_once(':') {
+            Some((path, unit)) => (path, Some(unit)),
+            None => (text, None),
         };
-        Some(Euler {
-            roll: roll.clone(),
-            pitch: pitch.clone(),
-            yaw: yaw.clone(),
-            unit,
-        })
-    }
-
-    pub fn quaternion(&mut self, what: &str) -> Result<Quaternion, BadArgument> {
-        Ok(Quaternion {
-            fields: self.components(what)?,
-            order: self.words.take().unwrap_or_default(),
-        })
+        match (path, unit) {
+            ("log", None) => Ok(Self::LogTime),
+            ("publish", None) => Ok(Self::PublishTime),
+            (path, unit) => {
+                let mut words = Words(unit.map(str::to_owned).into_iter().collect());
+                words.check(TIME_UNITS)?;
+                let path = path.parse().map_err(|_| BadArgument::NotATime {
+                    path: path.to_owned(),
+                })?;
+                let unit = words.take();
+                Ok(Self::Field(TimeField { path, unit }))
+            }
+        }
     }
 }

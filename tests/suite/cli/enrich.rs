@@ -139,6 +139,35 @@ fn of_topics_that_fit_equally_well_the_user_chooses() {
 }
 
 #[test]
+fn what_the_log_does_not_have_is_refused_with_the_option_that_asked_for_it() {
+    let folder = Folder::with(LOG, log(&[topic("/state", states(5, 1.0))]));
+    for (arguments, message) in [
+        (
+            "--namespace /drone1",
+            "no topic in the namespace /drone1 … /state … correct --namespace",
+        ),
+        (
+            "--velocity /gps.v:ned",
+            "velocity does not fit: there is no message on /gps … /state … correct --velocity",
+        ),
+        (
+            "--position /state.p:ned",
+            "position does not fit: /state: it has no field `p` … /state … correct --position",
+        ),
+        (
+            "--gimbal /state --profile flat",
+            "only a topic … gimbal … /state … give --gimbal fields",
+        ),
+        (
+            "--velocity /state --attitude /state.roll,/state.pitch,/state.yaw:radians",
+            "only a topic … velocity … /state … give --velocity fields",
+        ),
+    ] {
+        folder.refuses(&enrich(arguments), 1, message);
+    }
+}
+
+#[test]
 fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
     let flight = || fs::read(FIXTURE).unwrap();
     let schema = json!({ "type": "object", "properties": { "roll_deg": {} } });
@@ -188,7 +217,7 @@ fn a_profile_that_is_none_is_refused_with_the_place_and_the_choice() {
         (
             "typo.toml",
             2,
-            "typo.toml: … unknown key `attitude.topic` … README",
+            "typo.toml: … unknown key `attitude.topic` … docs/profiles.md",
         ),
         ("gone.toml", 2, "gone.toml: not a profile"),
     ] {

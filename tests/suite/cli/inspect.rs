@@ -35,7 +35,8 @@ fn finds_a_problem(log: &[u8], arguments: &str, problem: &str) -> Value {
     let told = tells(&Folder::with(LOG, log), arguments, 1);
     let said = told["problem"].as_str().expect("a problem");
     assert!(said.starts_with(&format!("{LOG}: ")), "{said}");
-    assert_reads(said, problem);
+    let printed = prints(&Folder::with(LOG, log), arguments, 1);
+    assert_reads(&printed, &format!("enrich would fail: … {problem}"));
     told
 }
 
@@ -347,11 +348,15 @@ fn a_log_without_telemetry_is_described_all_the_same() {
 
     let flight = Folder::with_flight().read(LOG);
     finds_a_problem(&flight, "--profile mavros", "`mavros` does not fit");
-    finds_a_problem(&flight, "--namespace /d", "no topic in the namespace /d");
+    finds_a_problem(
+        &flight,
+        "--namespace /d",
+        "no topic in the namespace /d … --namespace",
+    );
     finds_a_problem(
         &flight,
         "--attitude /drone/state.q",
-        "--attitude does not fit: … `q`",
+        "attitude does not fit: … `q` … --attitude",
     );
 }
 

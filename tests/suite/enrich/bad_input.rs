@@ -178,7 +178,7 @@ mod a_field {
         ] {
             let attitude = format!("--attitude /pose.{field},/pose.v[0],/pose.v[1]:degrees");
             let message = format!(
-                "--attitude does not fit: /pose: its … {problem} … topics of the log: … /pose"
+                "attitude does not fit: /pose: its … {problem} … topics of the log: … /pose … --attitude"
             );
             let message = message
                 .replace("its … no field", "it has no field")
@@ -304,7 +304,7 @@ fn a_schema_that_does_not_parse_is_told_with_the_topic() {
         };
         let log = folder(&[opaque]);
         let told = format!(
-            "--attitude does not fit: /pose: {problem} … topics of the log: … /pose ({encoding}"
+            "attitude does not fit: /pose: {problem} … topics of the log: … /pose ({encoding} … --attitude"
         );
         log.refuses(&enrich(POSE), 1, &told);
         let searched =
@@ -332,8 +332,9 @@ fn profiles_that_fit_equally_well_are_told_and_how_to_choose() {
         attitude("/fmu/out/vehicle_attitude"),
         local_position("/fmu/out/vehicle_local_position"),
     ];
-    let message = "flight.mcap: several profiles fit equally well; choose … --profile px4-ros2 … \
-                   px4-ros2: /fmu/out/vehicle_attitude … mavros: /mavros/local_position/pose";
+    let message = "flight.mcap: several profiles fit equally well … \
+                   px4-ros2: /fmu/out/vehicle_attitude … mavros: /mavros/local_position/pose … \
+                   choose one … --profile px4-ros2";
     let folder = folder(&both);
     folder.refuses(&enrich("--depression 30"), 1, message);
     for profile in ["mavros", "px4-ros2"] {

@@ -14,7 +14,7 @@ use flightcam::{
     sample::Kind,
     source::{
         profile::{Profile, ProfileChoice},
-        request::Request,
+        request::RoleArgument,
     },
 };
 use serde_json::{Value, json};
@@ -254,13 +254,9 @@ fn what_could_not_be_written_is_told_as_enrich_would() {
 fn a_gimbal_that_has_no_usable_angle_is_one_that_no_camera_can_follow() {
     let gimbal = topic("/gimbal", [json!({ "pitch": null })]);
     let log = log(&[topic("/state", states(5, 1.0)), gimbal]);
-    let mut options = Options {
-        telemetry: Request {
-            gimbal: Some("/gimbal.pitch:degrees".parse().expect("a gimbal")),
-            ..Request::default()
-        },
-        ..Options::default()
-    };
+    let mut options = Options::default();
+    let pitch = RoleArgument::parse(Kind::Gimbal, "/gimbal.pitch:degrees").expect("a gimbal");
+    options.telemetry.roles.insert(Kind::Gimbal, pitch);
     let problem = inspected_with(&log, &options).expect("a log").problem;
     let words = "/camera/velocity: it takes a usable gimbal sample, and /gimbal has 0 of 1 usable";
     assert_reads(&problem.expect("nothing to follow").to_string(), words);

@@ -14,7 +14,7 @@ use flightcam::{
         record::{Records, push_record, serialize},
         stream::{Named, Streamed, pass_through},
     },
-    source::{candidates::Candidates, request::Request},
+    source::{request::Request, stream_filter::StreamFilter},
 };
 use mcap::{
     WriteOptions,
@@ -64,9 +64,9 @@ proptest! {
             log[at..at + 8].copy_from_slice(&(length >> shift).to_le_bytes());
         }
         let request = Request::default();
-        let mut candidates = Candidates::new(&request);
+        let mut filter = StreamFilter::new(&request);
         let (output, streamed) =
-            pipe(Path::new("-"), &log[..], |passing| candidates.include(passing));
+            pipe(Path::new("-"), &log[..], |passing| filter.include(passing));
         prop_assert!(log.starts_with(&output));
         if let Ok(Streamed { original, telemetry: followed }) = streamed {
             prop_assert_eq!(original.data_end, output.len() as u64);
@@ -409,7 +409,7 @@ fn endless(frames: u64) -> impl Read {
 
 #[test]
 fn memory_and_room_do_not_grow_with_the_log() {
-    let mut candidates = Candidates::new(&Request::default());
+    let mut filter = StreamFilter::new(&Request::default());
     let mut streamed = None;
     let allocations = allocation_counter::measure(|| {
         let name = Path::new("-");
@@ -422,7 +422,7 @@ fn memory_and_room_do_not_grow_with_the_log() {
             stream: io::sink(),
         };
         streamed = Some(pass_through(input, output, |passing| {
-            candidates.include(passing)
+            filter.include(passing)
         }));
     });
     let streamed = streamed.expect("it ran").expect("a readable log");

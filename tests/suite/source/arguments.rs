@@ -2,11 +2,11 @@
 
 use flightcam::{
     decode::path::FieldPath,
-    sample::GimbalReference,
+    sample::{GimbalReference, Kind},
     source::{
         profile::{
-            AttitudeSource, Components, Coordinates, Euler, GimbalOrientation, GimbalSource,
-            Orientation, Pitch, Place, PositionSource, Quaternion, TimeSource, VelocitySource,
+            Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Orientation,
+            Pitch, Place, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
             convention::{
                 AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection,
                 QuaternionOrder, SpeedUnit, TimeUnit, VelocityFrame,
@@ -26,21 +26,16 @@ fn each<const N: usize>(paths: [&str; N]) -> Components<N> {
     Components::Each(paths.map(field))
 }
 
-fn on(topic: &str) -> Place {
-    Place {
-        topics: vec![topic.to_owned()],
-        ..Place::default()
-    }
+fn on(topic: &str, fields: RoleFields) -> Alternative {
+    let place = Place::on(topic);
+    Alternative { place, fields }
 }
 
-/// The source that an argument says.
+/// The alternative that an argument says.
 #[track_caller]
-fn said<S>(argument: &str) -> S
-where
-    RoleArgument<S>: std::str::FromStr<Err = BadArgument>,
-{
-    match argument.parse() {
-        Ok(RoleArgument::Source(source)) => source,
+fn said(role: Kind, argument: &str) -> Alternative {
+    match RoleArgument::parse(role, argument) {
+        Ok(RoleArgument::Fields(alternative)) => *alternative,
         Ok(RoleArgument::Topic(topic)) => panic!("only a topic: {topic}"),
         Err(problem) => panic!("{argument}: {problem}"),
     }
@@ -48,12 +43,9 @@ where
 
 /// Checks what the user is told of wrong arguments.
 #[track_caller]
-fn complains<S>(cases: &[(&str, &str)])
-where
-    RoleArgument<S>: std::str::FromStr<Err = BadArgument>,
-{
+fn complains(role: Kind, cases: &[(&str, &str)]) {
     for (argument, words) in cases {
-        match argument.parse::<RoleArgument<S>>() {
+        match RoleArgument::parse(role, argument) {
             Ok(_) => panic!("{argument} is accepted"),
             Err(problem) => assert_reads(&problem.to_string(), words),
         }
@@ -63,13 +55,13 @@ where
 mod an_attitude {
     use super::*;
 
-    fn source(topic: &str, orientation: Orientation, convention: Convention) -> AttitudeSource {
-        AttitudeSource {
-            place: on(topic),
+    fn source(topic: &str, orientation: Orientation, convention: Convention) -> Alternative {
+        let attitude = AttitudeFields {
             orientation,
             convention,
             reset_counter: None,
-        }
+        };
+        on(topic, RoleFields::Attitude(attitude))
     }
 
     fn euler(unit: AngleUnit) -> Orientation {
@@ -94,9 +86,12 @@ mod an_attitude {
         ] {
             let argument = format!("/imu.roll,/imu.pitch,/imu.yaw:{unit}");
             let expected = source("/imu", euler(expected), Convention::FrdNed);
-            assert_eq!(said::<AttitudeSource>(&argument), expected);
+            assert_eq!(said(Kind::Attitude, &argument), expected);
         }
-        let spaced = said::<AttitudeSource>("/imu.roll, /imu.pitch, /imu.yaw:flu-enu:degrees");
+        let spaced = said(
+            Kind::Attitude,
+            "/imu.roll, /imu.pitch, /imu.yaw:flu-enu:degrees",
+        );
         let expected = source("/imu", euler(AngleUnit::Degrees), Convention::FluEnu);
         assert_eq!(spaced, expected, "in whatever order the words come");
     }
@@ -134,14 +129,14 @@ mod an_attitude {
             ),
         ] {
             let expected = source(topic, quaternion(fields, order), convention);
-            assert_eq!(said::<AttitudeSource>(argument), expected, "{argument}");
+            assert_eq!(said(Kind::Attitude, argument), expected, "{argument}");
         }
     }
 
     #[test]
     fn may_be_a_topic_alone() {
         for (argument, topic) in [("/odom", "/odom"), (r#""/a.b""#, "/a.b")] {
-            let parsed: Result<RoleArgument<AttitudeSource>, _> = argument.parse();
+            let parsed = RoleArgument::parse(Kind::Attitude, argument);
             assert_eq!(parsed, Ok(RoleArgument::Topic(topic.to_owned())));
         }
     }
@@ -150,41 +145,44 @@ mod an_attitude {
     fn that_is_wrong_is_told_what_to_write() {
         let words = "radians, degrees or centidegrees; wxyz or xyzw; frd-ned or flu-enu";
         let unknown = |word| format!("`{word}` has no meaning here … {words}");
-        complains::<AttitudeSource>(&[
-            (
-                "/imu.roll,/imu.pitch,/imu.yaw",
-                "need their unit: `:degrees` or `:radians`",
-            ),
-            (
-                "/imu.r,/gps.p,/imu.y:degrees",
-                "/imu and /gps are different topics … one message",
-            ),
-            (
-                "/imu.r,pitch,yaw:degrees",
-                "pitch … every path begins with its topic",
-            ),
-            ("/imu.r,/imu.p,/imu.y:rad", &unknown("rad")),
-            ("/imu.q:ned", &unknown("ned")),
-            ("/imu.q:", &unknown("")),
-            ("/imu.q:xyzw:wxyz", "`wxyz` does not go with the rest"),
-            (
-                "/imu.r,/imu.p,/imu.y:degrees:xyzw",
-                "`xyzw` does not go with the rest",
-            ),
-            (
-                "/imu.q:degrees",
-                "unit goes with three fields: roll, pitch, yaw",
-            ),
-            (
-                "/imu.a,/imu.b",
-                "2 fields … one (a quaternion), three … or four (w, x, y, z)",
-            ),
-            (
-                "/i.a,/i.b,/i.c,/i.d,/i.e",
-                "5 fields … one (a quaternion), three … or four",
-            ),
-            ("/odom:flu-enu", "only a topic … /odom.field:flu-enu"),
-        ]);
+        complains(
+            Kind::Attitude,
+            &[
+                (
+                    "/imu.roll,/imu.pitch,/imu.yaw",
+                    "need their unit: `:degrees` or `:radians`",
+                ),
+                (
+                    "/imu.r,/gps.p,/imu.y:degrees",
+                    "/imu and /gps are different topics … one message",
+                ),
+                (
+                    "/imu.r,pitch,yaw:degrees",
+                    "pitch … every path begins with its topic",
+                ),
+                ("/imu.r,/imu.p,/imu.y:rad", &unknown("rad")),
+                ("/imu.q:ned", &unknown("ned")),
+                ("/imu.q:", &unknown("")),
+                ("/imu.q:xyzw:wxyz", "`wxyz` does not go with the rest"),
+                (
+                    "/imu.r,/imu.p,/imu.y:degrees:xyzw",
+                    "`xyzw` does not go with the rest",
+                ),
+                (
+                    "/imu.q:degrees",
+                    "unit goes with three fields: roll, pitch, yaw",
+                ),
+                (
+                    "/imu.a,/imu.b",
+                    "2 fields … one (a quaternion), three … or four (w, x, y, z)",
+                ),
+                (
+                    "/i.a,/i.b,/i.c,/i.d,/i.e",
+                    "5 fields … one (a quaternion), three … or four",
+                ),
+                ("/odom:flu-enu", "only a topic … /odom.field:flu-enu"),
+            ],
+        );
     }
 }
 
@@ -226,14 +224,14 @@ mod a_velocity {
                 MetresPerSecond,
             ),
         ] {
-            let expected = VelocitySource {
-                place: on(topic),
+            let velocity = VelocityFields {
                 vector,
                 frame,
                 unit,
                 required: false,
             };
-            assert_eq!(said::<VelocitySource>(argument), expected, "{argument}");
+            let expected = on(topic, RoleFields::Velocity(velocity));
+            assert_eq!(said(Kind::Velocity, argument), expected, "{argument}");
         }
     }
 
@@ -241,33 +239,40 @@ mod a_velocity {
     fn that_is_wrong_is_told_what_to_write() {
         let words = "ned, enu, body-frd or body-flu; m/s, cm/s or mm/s";
         let unknown = |word| format!("`{word}` has no meaning here … {words}");
-        complains::<VelocitySource>(&[
-            (
-                "/gps.v",
-                "needs its axes: `:ned`, `:enu`, `:body-frd` or `:body-flu`",
-            ),
-            ("/gps.v:NED", &unknown("NED")),
-            ("/gps.v:ned:km/h", &unknown("km/h")),
-            ("/gps.v:ned:enu", "`enu` does not go with the rest"),
-            (
-                "/gps.a,/gps.b:ned",
-                "2 fields … a velocity takes one (a vector) or three",
-            ),
-            ("/gps:ned", "only a topic … /gps.field:ned"),
-        ]);
+        complains(
+            Kind::Velocity,
+            &[
+                (
+                    "/gps.v",
+                    "needs its axes: `:ned`, `:enu`, `:body-frd` or `:body-flu`",
+                ),
+                ("/gps.v:NED", &unknown("NED")),
+                ("/gps.v:ned:km/h", &unknown("km/h")),
+                ("/gps.v:ned:enu", "`enu` does not go with the rest"),
+                (
+                    "/gps.a,/gps.b:ned",
+                    "2 fields … a velocity takes one (a vector) or three",
+                ),
+                ("/gps:ned", "only a topic … /gps.field:ned"),
+            ],
+        );
     }
 }
 
 mod a_gimbal {
     use super::*;
 
-    fn source(orientation: GimbalOrientation, reference: GimbalReference) -> GimbalSource {
-        GimbalSource {
-            place: on("/gimbal"),
+    fn source(
+        orientation: Orientation,
+        reference: GimbalReference,
+        convention: Convention,
+    ) -> Alternative {
+        let gimbal = GimbalFields {
             orientation,
             reference,
-            convention: Convention::FrdNed,
-        }
+            convention,
+        };
+        on("/gimbal", RoleFields::Gimbal(gimbal))
     }
 
     #[test]
@@ -284,13 +289,13 @@ mod a_gimbal {
                 PositiveDirection::Down,
             ),
         ] {
-            let pitch = GimbalOrientation::Pitch(Pitch {
+            let pitch = Orientation::Pitch(Pitch {
                 field: field("pitch"),
                 unit,
                 positive,
             });
-            let expected = source(pitch, GimbalReference::Heading);
-            assert_eq!(said::<GimbalSource>(argument), expected, "{argument}");
+            let expected = source(pitch, GimbalReference::Heading, Convention::FrdNed);
+            assert_eq!(said(Kind::Gimbal, argument), expected, "{argument}");
         }
     }
 
@@ -298,11 +303,11 @@ mod a_gimbal {
     fn is_a_rotation_from_a_reference() {
         let quaternion = |order| {
             let fields = Components::Together(field("q"));
-            GimbalOrientation::Quaternion(Quaternion { fields, order })
+            Orientation::Quaternion(Quaternion { fields, order })
         };
         let [roll, pitch, yaw] = ["r", "p", "y"].map(field);
         let unit = AngleUnit::Degrees;
-        let euler = GimbalOrientation::Euler(Euler {
+        let euler = Orientation::Euler(Euler {
             roll,
             pitch,
             yaw,
@@ -318,39 +323,42 @@ mod a_gimbal {
                 Airframe,
             ),
         ] {
-            let expected = source(orientation, reference);
-            assert_eq!(said::<GimbalSource>(argument), expected, "{argument}");
+            let expected = source(orientation, reference, Convention::FrdNed);
+            assert_eq!(said(Kind::Gimbal, argument), expected, "{argument}");
         }
-        let flu: GimbalSource = said("/gimbal.q:earth:flu-enu");
-        assert_eq!(flu.convention, Convention::FluEnu);
+        let flu = said(Kind::Gimbal, "/gimbal.q:earth:flu-enu");
+        assert_eq!(flu, source(quaternion(Wxyz), Earth, Convention::FluEnu));
     }
 
     #[test]
     fn that_is_wrong_is_told_what_to_write() {
         let either =
             "pitch angle … unit (`:degrees`, … quaternion … (`:earth`, `:heading`, `:airframe`)";
-        complains::<GimbalSource>(&[
-            ("/g.pitch", either),
-            ("/g.pitch:down", either),
-            (
-                "/g.q:north",
-                "`north` has no meaning here … earth, heading or airframe",
-            ),
-            (
-                "/g.r,/g.p,/g.y:degrees",
-                "measured from: `:earth`, `:heading` or `:airframe`",
-            ),
-            (
-                "/g.r,/g.p,/g.y:earth",
-                "need their unit: `:degrees` or `:radians`",
-            ),
-            ("/g.a,/g.b:degrees", "one field, the pitch, or three"),
-            (
-                "/g.a,/g.b:earth",
-                "2 fields … one (a pitch angle or a quaternion), three",
-            ),
-            ("/g.q:earth:up", "`up` does not go with the rest"),
-        ]);
+        complains(
+            Kind::Gimbal,
+            &[
+                ("/g.pitch", either),
+                ("/g.pitch:down", either),
+                (
+                    "/g.q:north",
+                    "`north` has no meaning here … earth, heading or airframe",
+                ),
+                (
+                    "/g.r,/g.p,/g.y:degrees",
+                    "measured from: `:earth`, `:heading` or `:airframe`",
+                ),
+                (
+                    "/g.r,/g.p,/g.y:earth",
+                    "need their unit: `:degrees` or `:radians`",
+                ),
+                ("/g.a,/g.b:degrees", "one field, the pitch, or three"),
+                (
+                    "/g.a,/g.b:earth",
+                    "2 fields … one (a pitch angle or a quaternion), three",
+                ),
+                ("/g.q:earth:up", "`up` does not go with the rest"),
+            ],
+        );
     }
 }
 
@@ -384,37 +392,39 @@ mod a_position {
             ("/gps.x,/gps.y,/gps.z:ned", xyz),
             ("/gps.p:enu:cm", vector),
         ] {
-            let place = on("/gps");
-            let expected = PositionSource { place, coordinates };
-            assert_eq!(said::<PositionSource>(argument), expected, "{argument}");
+            let expected = on("/gps", RoleFields::Position(coordinates));
+            assert_eq!(said(Kind::Position, argument), expected, "{argument}");
         }
     }
 
     #[test]
     fn that_is_wrong_is_told_what_to_write() {
         let either = "takes three … their unit (`:degrees`, `:degE7`), x, y and z their axes (`:ned`, `:enu`)";
-        complains::<PositionSource>(&[
-            ("/p.a,/p.b,/p.c", either),
-            ("/p.a,/p.b:degrees", either),
-            ("/p.a,/p.b,/p.c:degrees:ned", either),
-            ("/p.v:ned:km", "`km` has no meaning here … m, cm or mm"),
-            (
-                "/p.a,/p.b:ned",
-                "2 fields were given, but a position takes three",
-            ),
-        ]);
+        complains(
+            Kind::Position,
+            &[
+                ("/p.a,/p.b,/p.c", either),
+                ("/p.a,/p.b:degrees", either),
+                ("/p.a,/p.b,/p.c:degrees:ned", either),
+                ("/p.v:ned:km", "`km` has no meaning here … m, cm or mm"),
+                (
+                    "/p.a,/p.b:ned",
+                    "2 fields were given, but a position takes three",
+                ),
+            ],
+        );
     }
 }
 
 #[test]
 fn a_time_is_the_logs_the_publishers_or_a_fields() {
-    let of_field = |path, unit| TimeSource::Field {
-        path: field(path),
-        unit,
+    let of_field = |path, unit| {
+        let path = field(path);
+        SampleTime::Field(TimeField { path, unit })
     };
     for (argument, expected) in [
-        ("log", TimeSource::LogTime),
-        ("publish", TimeSource::PublishTime),
+        ("log", SampleTime::LogTime),
+        ("publish", SampleTime::PublishTime),
         ("header.stamp", of_field("header.stamp", None)),
         (
             "time_usec:us",
@@ -434,7 +444,7 @@ fn a_time_is_the_logs_the_publishers_or_a_fields() {
         ),
         ("", "`` is not a time: write log, publish, or a field"),
     ] {
-        let parsed: Result<TimeSource, BadArgument> = argument.parse();
+        let parsed: Result<SampleTime, BadArgument> = argument.parse();
         assert_reads(&parsed.expect_err("no time").to_string(), words);
     }
 }

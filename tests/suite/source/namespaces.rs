@@ -27,7 +27,7 @@ fn plain() -> [Topic; 2] {
 fn a_namespace_is_found_by_itself_where_there_is_only_one() {
     let source = select_with(&one(), &Request::default()).expect("a source");
     assert_eq!(used(&source), ("mavros", POSE, VELOCITY));
-    assert_eq!(source.namespace, "/drone1");
+    assert_eq!(source.namespace(), "/drone1");
 
     let px4 = [
         attitude("/fleet/px4_1/fmu/out/vehicle_attitude"),
@@ -35,12 +35,12 @@ fn a_namespace_is_found_by_itself_where_there_is_only_one() {
     ];
     let source = select_with(&px4, &Request::default()).expect("a source");
     assert_eq!(used(&source), ("px4-ros2", px4[0].name, px4[1].name));
-    assert_eq!(source.namespace, "/fleet/px4_1");
+    assert_eq!(source.namespace(), "/fleet/px4_1");
 }
 
 #[test]
 fn a_namespace_is_chosen_by_the_user_where_there_are_several_vehicles() {
-    let several = "telemetry of several vehicles, in the namespaces /drone1, /drone2; choose … --namespace /drone1";
+    let several = "telemetry of several vehicles, in the namespaces /drone1, /drone2";
     refuses(&two(), &[], several);
     let second = "/drone2/mavros/local_position/pose";
     let velocity = "/drone2/mavros/local_position/velocity_local";
@@ -107,7 +107,7 @@ fn a_namespace_may_be_none() {
     refuses(
         &both,
         &[],
-        "namespaces /, /drone1; … --namespace / (/ is the one without a namespace)",
+        "namespaces /, /drone1 (/ is the one without a namespace)",
     );
     let [pose, twist] = plain();
     selects(

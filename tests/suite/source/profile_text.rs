@@ -1,8 +1,10 @@
 //! Profiles as text: what is understood, what is refused and in which words, and that nothing is lost when one is
 //! written.
 
+use flightcam::sample::Kind;
 use flightcam::source::profile::{
-    Coordinates, Profile, Test, TimeSource,
+    AttitudeFields, Coordinates, NotAProfile, Orientation, Profile, RoleFields, SampleTime, Test,
+    TimeField,
     convention::{LengthUnit, QuaternionOrder, TimeUnit},
 };
 
@@ -10,7 +12,7 @@ use crate::support::folder::assert_reads;
 
 const ATTITUDE: &str = r#"attitude = { topics = ["/a"], orientation.quaternion = "q" }"#;
 
-fn parse(roles: &str) -> Result<Profile, String> {
+fn parse(roles: &str) -> Result<Profile, NotAProfile> {
     Profile::parse(&format!("name = \"mine\"\n{roles}\n"))
 }
 
@@ -22,7 +24,7 @@ fn parsed(roles: &str) -> Profile {
 fn refused(roles: &str, words: &str) {
     match parse(roles) {
         Ok(_) => panic!("accepted: {roles}"),
-        Err(problem) => assert_reads(&problem, words),
+        Err(problem) => assert_reads(&problem.to_string(), words),
     }
 }
 
@@ -90,24 +92,26 @@ fn a_profile_with_everything_is_the_same_when_written_and_read_again() {
     let text = toml::to_string(&profile).expect("TOML");
     assert_eq!(Profile::parse(&text).as_ref(), Ok(&profile), "{text}");
 
-    assert!(!profile.automatic && profile.namespaced && profile.velocity[0].required);
-    let TimeSource::Field { unit, .. } = profile.time else {
+    assert!(!profile.automatic && profile.namespaced);
+    let SampleTime::Field(TimeField { unit, .. }) = profile.time else {
         panic!("a time of a field");
     };
     assert_eq!(unit, Some(TimeUnit::Microseconds));
+    let RoleFields::Velocity(velocity) = &profile.alternatives(Kind::Velocity)[0].fields else {
+        panic!("a velocity");
+    };
+    assert!(velocity.required);
     let test = |alternative: usize| {
-        profile.attitude[alternative]
-            .place
-            .when
-            .clone()
-            .map(|when| when.test)
+        let alternative = &profile.alternatives(Kind::Attitude)[alternative];
+        alternative.place.when.clone().map(|when| when.test)
     };
     assert_eq!(test(0), Some(Test::Is(-1)));
     assert_eq!(test(1), Some(Test::Says("/world".to_owned())));
-    let Coordinates::Local { unit, .. } = profile.position[1].coordinates else {
+    let position = &profile.alternatives(Kind::Position)[1].fields;
+    let RoleFields::Position(Coordinates::Local { unit, .. }) = position else {
         panic!("a local position");
     };
-    assert_eq!(unit, LengthUnit::Centimetres);
+    assert_eq!(*unit, LengthUnit::Centimetres);
 }
 
 #[test]
@@ -178,7 +182,7 @@ mod a_topic_in_a_path {
             reset_counter = { field = "/a.resets" }
             time.field = { path = "/a.stamp" }"#,
         );
-        let attitude = &profile.attitude[0];
+        let attitude = &profile.alternatives(Kind::Attitude)[0];
         assert_eq!(attitude.place.topics, ["/a"]);
         assert_eq!(attitude.place.valid[0].to_string(), "ok");
         let when = attitude.place.when.as_ref().expect("a condition");
@@ -213,7 +217,7 @@ mod a_topic_in_a_path {
 #[test]
 fn unknown_keys_are_refused_by_name_at_every_level() {
     for (role, key) in [
-        ("colour = \"red\"", "unknown key `colour`; the README"),
+        ("colour = \"red\"", "unknown key `colour`; docs/profiles.md"),
         ("positions = []", "unknown key `positions`"),
         (
             "velocity = { vector = \"v\", frame = \"ned\", topic = [\"/b\"] }",
@@ -341,15 +345,18 @@ fn what_is_wrong_is_told_with_its_place_and_what_there_is_instead() {
         refused(&beside_attitude(role), words);
     }
     let torn = Profile::parse("name = \"torn\"\n[attitude\n").expect_err("not TOML");
-    assert_reads(&torn, "line 2");
+    assert_reads(&torn.to_string(), "line 2");
 }
 
 #[test]
 fn a_quaternion_is_w_first_unless_told() {
     let order = |quaternion: &str| {
         let profile = parsed(&format!("attitude.orientation.quaternion = {quaternion}"));
-        match &profile.attitude[0].orientation {
-            flightcam::source::profile::Orientation::Quaternion(quaternion) => quaternion.order,
+        match &profile.alternatives(Kind::Attitude)[0].fields {
+            RoleFields::Attitude(AttitudeFields {
+                orientation: Orientation::Quaternion(quaternion),
+                ..
+            }) => quaternion.order,
             other => panic!("{other:?}"),
         }
     };

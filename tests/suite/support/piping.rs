@@ -13,7 +13,7 @@ use flightcam::{
         stream::{Named, Passing, Streamed, pass_through},
     },
     reader::Reader,
-    source::{Source, candidates::Candidates, request::Request},
+    source::{Source, request::Request, stream_filter::StreamFilter},
 };
 use mcap::{WriteOptions, records::MessageHeader};
 
@@ -61,8 +61,8 @@ pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), 
     let selected = format!(
         "{:?} {:?} {:#?} {:#?} {:?}",
         source.profile.name,
-        source.namespace,
-        source.roles,
+        source.namespace(),
+        source.roles(),
         source.runners_up,
         source.channel_ids(),
     );
@@ -82,9 +82,9 @@ pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), 
 pub fn check(log: &[u8], request: &Request, most: usize) -> Option<Streamed> {
     let folder = Folder::with(LOG, log);
     let path = folder.path(LOG);
-    let mut candidates = Candidates::new(request);
+    let mut filter = StreamFilter::new(request);
     let input = Pieces { rest: log, most };
-    let (output, streamed) = pipe(&path, input, |passing| candidates.include(passing));
+    let (output, streamed) = pipe(&path, input, |passing| filter.include(passing));
     assert!(log.starts_with(&output), "nothing else is passed on");
     match (Log::open(&path), streamed) {
         (Ok(opened), Ok(streamed)) => {

@@ -7,7 +7,7 @@ use flightcam::{
     source::{
         Source,
         profile::{Profile, ProfileChoice},
-        request::Request,
+        request::{Request, RoleArgument},
     },
 };
 
@@ -23,11 +23,13 @@ pub fn request(arguments: &[(&str, &str)]) -> Request {
                 request.profile = ProfileChoice::Given(Box::new(profile));
             }
             "--namespace" => request.namespace = Some(value.to_owned()),
-            "--attitude" => request.attitude = Some(value.parse().expect("an attitude")),
-            "--velocity" => request.velocity = Some(value.parse().expect("a velocity")),
-            "--gimbal" => request.gimbal = Some(value.parse().expect("a gimbal")),
-            "--position" => request.position = Some(value.parse().expect("a position")),
-            _ => panic!("no option {option}"),
+            option => {
+                let name = |kind: &Kind| format!("--{}", kind.name());
+                let role = Kind::ALL.into_iter().find(|kind| name(kind) == option);
+                let role = role.expect("the option of a role");
+                let argument = RoleArgument::parse(role, value).expect("an argument");
+                request.roles.insert(role, argument);
+            }
         }
     }
     request

@@ -90,7 +90,7 @@ proptest! {
             // Too little is left of it to derive anything from.
             Err(Error::Read(
                 ReadError::Empty { .. } | ReadError::NotMcap { .. } | ReadError::Damaged { .. },
-            ) | Error::NoTelemetry { .. } | Error::Run(RunError::NothingDerived { .. })) => {
+            ) | Error::Telemetry(_) | Error::Run(RunError::NothingDerived { .. })) => {
                 let whole = whole_records(torn);
                 let telemetry = stream(whole, true).into_iter().filter(|m| m.topic == TELEMETRY);
                 prop_assert_eq!(telemetry.count(), 0);

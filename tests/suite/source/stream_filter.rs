@@ -6,9 +6,9 @@ use std::{collections::BTreeMap, io::Cursor, path::Path};
 use flightcam::{
     log::stream::Streamed,
     source::{
-        candidates::Candidates,
         profile::{Profile, ProfileChoice},
         request::Request,
+        stream_filter::StreamFilter,
     },
 };
 use mcap::{
@@ -281,10 +281,10 @@ proptest! {
 
 /// The messages that are kept of a log, by topic.
 fn kept(log: &[u8], request: &Request) -> BTreeMap<String, u64> {
-    let mut candidates = Candidates::new(request);
+    let mut filter = StreamFilter::new(request);
     let mut kept = BTreeMap::new();
     let (_, streamed) = pipe(Path::new("-"), log, |passing| {
-        let is_kept = candidates.include(passing);
+        let is_kept = filter.include(passing);
         *kept.entry(passing.channel.topic.clone()).or_default() += u64::from(is_kept);
         is_kept
     });

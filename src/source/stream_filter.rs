@@ -1,24 +1,22 @@
-//! Which messages of a passing log may turn out to be its telemetry, when all of it is known.
+//! Which messages of a streamed log may turn out to be its telemetry, once all of the log is known.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use mcap::records::Channel;
 
 use super::{
-    alternative::{Alternative, bind_role, meant_for},
-    binder::Binder,
-    finder::is_within,
-    profile::{AttitudeSource, GimbalSource, PositionSource, Profile, VelocitySource},
+    bind::{BindError, Binder, bind_role, for_type},
+    pattern::{Pattern, is_within},
+    profile::{Alternative, Profile},
     request::Request,
-    topic::Pattern,
 };
 use crate::{
-    decode::{FirstMessages, error::SchemaError, schema::MessageSchema},
+    decode::{FirstMessages, schema::MessageSchema},
     log::{LONGEST_EXAMPLE, contents::Definitions, stream::Passing},
     sample::Kind,
 };
 
-/// Tells the messages that [`Source::select`](super::Source::select) might choose in a log, while the log passes
+/// Picks the messages that [`Source::select`](super::Source::select) might choose in a log, while the log streams
 /// by. All of these are included; of the others some, so that it finds the same as in the whole log, and for the
 /// same reasons.
 ///
@@ -26,12 +24,12 @@ use crate::{
 /// have is known only when those have passed that are examples of the whole log's: the first ten of the first
 /// segment that has any. They are included whatever they are.
 #[derive(Debug)]
-pub struct Candidates {
+pub struct StreamFilter {
     /// Those that will be tried.
     profiles: Vec<Profile>,
     namespace: Option<String>,
-    /// What the user has told where to find.
-    told: BTreeSet<Kind>,
+    /// The roles of which the user says where they are.
+    requested: BTreeSet<Kind>,
     /// Whether a channel's messages are included, by its id.
     verdicts: HashMap<u16, bool>,
     /// The examples of channels that are not judged yet, from the latest segment.
@@ -39,13 +37,13 @@ pub struct Candidates {
     segment: usize,
 }
 
-impl Candidates {
+impl StreamFilter {
     /// For what is wanted of the log.
     pub fn new(request: &Request) -> Self {
         Self {
             profiles: request.profiles(),
             namespace: request.namespace.clone(),
-            told: request.told().into_keys().collect(),
+            requested: request.roles.keys().copied().collect(),
             verdicts: HashMap::new(),
             examples: BTreeMap::new(),
             segment: 0,
@@ -106,26 +104,25 @@ impl Candidates {
 
     /// Whether a profile names the topic, for any role.
     fn is_named(&self, topic: &str) -> bool {
-        self.profiles.iter().any(|profile| {
-            self.is_named_for::<AttitudeSource>(profile, topic)
-                || self.is_named_for::<VelocitySource>(profile, topic)
-                || self.is_named_for::<GimbalSource>(profile, topic)
-                || self.is_named_for::<PositionSource>(profile, topic)
-        })
+        let is_named_by = |profile: &Profile| {
+            (Kind::ALL.into_iter()).any(|kind| self.is_named_for(kind, profile, topic))
+        };
+        self.profiles.iter().any(is_named_by)
     }
 
-    fn is_named_for<A: Alternative>(&self, profile: &Profile, topic: &str) -> bool {
-        let is_told = self.told.contains(&A::KIND);
+    fn is_named_for(&self, kind: Kind, profile: &Profile, topic: &str) -> bool {
+        let is_requested = self.requested.contains(&kind);
         let is_match = |name: &String| match &self.namespace {
-            // Whoever tells a topic names it as the log does.
-            _ if is_told => Pattern::new("", name).is_match(topic),
+            // The user names a topic as the log does.
+            _ if is_requested => Pattern::new("", name).is_match(topic),
             Some(namespace) => Pattern::new(namespace, name).is_match(topic),
             // Which namespaces there are is known only when all topics are.
             None if profile.namespaced => Pattern::new("", name).may_be_match(topic),
             None => Pattern::new("", name).is_match(topic),
         };
-        let places = A::of(profile).iter().map(Alternative::place);
-        places.flat_map(|place| &place.topics).any(is_match)
+        let alternatives = profile.alternatives(kind).iter();
+        let mut names = alternatives.flat_map(|alternative| &alternative.place.topics);
+        names.any(is_match)
     }
 
     /// Whether the messages are of the type, and have the fields, of the attitude of a profile that names no topics,
@@ -145,7 +142,7 @@ impl Candidates {
         let schema = definitions.schemas.get(&channel.schema_id);
         let name = schema.map_or("", |schema| schema.name.as_str());
         let of_type = |profile: &&Profile| {
-            let alternatives = unnamed::<AttitudeSource>(profile, name);
+            let alternatives = without_topics(profile, Kind::Attitude, name);
             alternatives.is_ok_and(|alternatives| !alternatives.is_empty())
         };
         let mut profiles = self.profiles.iter().filter(of_type).peekable();
@@ -157,25 +154,28 @@ impl Candidates {
             return false;
         };
         profiles.any(|profile| {
-            binds::<AttitudeSource>(&schema, profile, name)
-                && (!profile.velocity.iter().any(|source| source.required)
-                    || binds::<VelocitySource>(&schema, profile, name))
+            let mut velocity = profile.alternatives(Kind::Velocity).iter();
+            let requires_velocity = velocity.any(|one| one.fields.is_required());
+            binds(&schema, profile, Kind::Attitude, name)
+                && (!requires_velocity || binds(&schema, profile, Kind::Velocity, name))
         })
     }
 }
 
 /// Those of a role's alternatives that name no topics and are meant for a type of message.
-fn unnamed<'p, A: Alternative>(
+fn without_topics<'p>(
     profile: &'p Profile,
+    kind: Kind,
     schema_name: &str,
-) -> Result<Vec<&'p A>, SchemaError> {
-    let unnamed = (A::of(profile).iter()).filter(|source| source.place().topics.is_empty());
-    meant_for(schema_name, unnamed)
+) -> Result<Vec<&'p Alternative>, BindError> {
+    let alternatives = profile.alternatives(kind).iter();
+    let without = alternatives.filter(|alternative| alternative.place.topics.is_empty());
+    for_type(schema_name, without)
 }
 
 /// Whether the fields of such alternatives are there, or none is such.
-fn binds<A: Alternative>(schema: &MessageSchema, profile: &Profile, schema_name: &str) -> bool {
-    unnamed::<A>(profile, schema_name)
-        .and_then(|alternatives| bind_role(&mut Binder::new(schema), profile, &alternatives))
+fn binds(schema: &MessageSchema, profile: &Profile, kind: Kind, schema_name: &str) -> bool {
+    without_topics(profile, kind, schema_name)
+        .and_then(|alternatives| bind_role(&mut Binder::new(schema), profile, kind, &alternatives))
         .is_ok()
 }

@@ -1,12 +1,6 @@
-//! Topics as profiles name them, in any vehicle's namespace and with a number that may be any, and as logs have
-//! them.
+//! Topics as profiles name them: in any vehicle's namespace, and with a number that may be any.
 
-use std::{collections::BTreeSet, fmt};
-
-use crate::log::Log;
-
-/// How many topics a message lists at most.
-const LISTED: usize = 60;
+use std::fmt;
 
 /// What stands for any number, such as a version.
 const NUMBER: &str = "{n}";
@@ -17,7 +11,7 @@ pub const VEHICLE: &str = "{vehicle}";
 /// A topic of a profile, in a namespace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
-    /// What comes before the vehicle's number, where the namespace does not tell it. No topic matches then.
+    /// What comes before the vehicle's number, where the namespace does not say it. No topic matches then.
     vehicle: Option<String>,
     before: String,
     /// What follows a number, where there is one.
@@ -79,7 +73,7 @@ impl Pattern {
     }
 
     /// Whether this may be the topic in any namespace: not only in those that [`namespace_of`](Self::namespace_of)
-    /// tells, but in such, too, as other topics tell.
+    /// finds, but also in those that other topics show.
     pub fn may_be_match(&self, topic: &str) -> bool {
         let Some(after) = &self.after else {
             return topic.ends_with(&self.before);
@@ -113,10 +107,16 @@ impl Pattern {
     }
 }
 
-/// Whether a namespace ends with a vehicle's number behind this.
+/// Whether a namespace ends with this and a vehicle's number.
 fn is_vehicle(namespace: &str, vehicle: &str) -> bool {
     let name = namespace.trim_end_matches(|last: char| last.is_ascii_digit());
     name.len() < namespace.len() && name.ends_with(vehicle)
+}
+
+/// Whether a topic is in a namespace.
+pub fn is_within(topic: &str, namespace: &str) -> bool {
+    (topic.strip_prefix(namespace))
+        .is_some_and(|rest| namespace.is_empty() || rest.starts_with('/'))
 }
 
 impl fmt::Display for Pattern {
@@ -130,30 +130,4 @@ impl fmt::Display for Pattern {
             None => Ok(()),
         }
     }
-}
-
-/// The topics of a log that have messages, for a message that does not find what it looks for.
-pub fn describe_topics(log: &Log) -> String {
-    let described: BTreeSet<String> = log
-        .contents
-        .channels_with_messages()
-        .map(|(channel, _)| {
-            let schema = log.contents.schema_of(channel);
-            let schema = schema.map_or("no schema", |schema| schema.name.as_str());
-            format!(
-                "\n  {} ({}, {schema})",
-                channel.topic, channel.message_encoding
-            )
-        })
-        .collect();
-    if described.is_empty() {
-        return "the log has no messages".to_owned();
-    }
-    let more = described.len().saturating_sub(LISTED);
-    let mut text = String::from("topics of the log:");
-    text.extend(described.into_iter().take(LISTED));
-    if more > 0 {
-        text.push_str(&format!("\n  and {more} more"));
-    }
-    text
 }

@@ -4,9 +4,12 @@
 
 use std::{fs, path::Path};
 
-use flightcam::source::{
-    profile::{Profile, ProfileChoice},
-    request::Request,
+use flightcam::{
+    sample::Kind,
+    source::{
+        profile::{Profile, ProfileChoice},
+        request::{Request, RoleArgument},
+    },
 };
 
 /// Checks what a profile is written as, against the text of that name, and that it reads as the same profile.
@@ -132,12 +135,13 @@ fn request(arguments: &[(&str, &str)], profile: Option<&str>) -> Request {
     }
     for &(option, value) in arguments {
         match option {
-            "attitude" => request.attitude = Some(value.parse().expect("an attitude")),
-            "velocity" => request.velocity = Some(value.parse().expect("a velocity")),
-            "gimbal" => request.gimbal = Some(value.parse().expect("a gimbal")),
-            "position" => request.position = Some(value.parse().expect("a position")),
             "time" => request.time = Some(value.parse().expect("a time")),
-            _ => panic!("no option {option}"),
+            role => {
+                let role = Kind::ALL.into_iter().find(|kind| kind.name() == role);
+                let role = role.expect("a role");
+                let argument = RoleArgument::parse(role, value).expect("an argument");
+                request.roles.insert(role, argument);
+            }
         }
     }
     request

@@ -1,0 +1,121 @@
+//! A profile's alternatives → how the messages of one channel are read, with each field resolved to the slot that the
+//! decoder fills.
+
+mod binder;
+mod error;
+
+use super::profile::{
+    Alternative, Condition, Profile, RoleFields, SampleTime, convention::TimeUnit,
+};
+use crate::{decode::path::FieldPath, sample::Kind};
+pub use binder::Binder;
+pub use error::BindError;
+
+/// Where the decoder puts a field's value.
+pub type Slot = usize;
+
+/// How the messages of a channel are read as samples of one kind.
+#[derive(Debug)]
+pub struct BoundRole {
+    pub kind: Kind,
+    /// The fields of the first reading, as the profile names them.
+    pub fields: Vec<FieldPath>,
+    /// Of which the first whose condition holds is used.
+    pub readings: Vec<Reading>,
+}
+
+/// One way to read a message as a sample.
+#[derive(Debug)]
+pub struct Reading {
+    /// Where a word is compared with, its place among those that the decoder knows.
+    pub condition: Option<Condition<Slot, i64>>,
+    pub time: SampleTime<TimeSlots>,
+    pub valid: Vec<Slot>,
+    pub fields: RoleFields<Slot>,
+}
+
+/// Where the time of a sample is.
+#[derive(Debug, Clone, Copy)]
+pub enum TimeSlots {
+    Number { slot: Slot, unit: TimeUnit },
+    SecondsAndNanoseconds([Slot; 2]),
+}
+
+/// Binds those alternatives of a role for which the schema has the fields, up to the first that needs no condition.
+///
+/// # Errors
+/// There is none; the error tells what the one that lacks the least lacks.
+pub fn bind_role(
+    binder: &mut Binder,
+    profile: &Profile,
+    kind: Kind,
+    alternatives: &[&Alternative],
+) -> Result<BoundRole, BindError> {
+    let mut role = BoundRole {
+        kind,
+        fields: Vec::new(),
+        readings: Vec::new(),
+    };
+    let mut nearest: Option<(f64, BindError)> = None;
+    for alternative in alternatives {
+        let fields = alternative.fields.fields();
+        match binder.attempt(|binder| bind_reading(binder, profile, alternative)) {
+            Ok(reading) => {
+                if role.readings.is_empty() {
+                    role.fields = fields.into_iter().cloned().collect();
+                }
+                let needs_no_condition = reading.condition.is_none();
+                role.readings.push(reading);
+                if needs_no_condition {
+                    break;
+                }
+            }
+            Err(error) if error.is_of_reading() => return Err(error),
+            Err(error) => {
+                let share = error.lacks() as f64 / fields.len() as f64;
+                if nearest.as_ref().is_none_or(|(least, _)| share < *least) {
+                    nearest = Some((share, error));
+                }
+            }
+        }
+    }
+    match nearest {
+        Some((_, error)) if role.readings.is_empty() => Err(error),
+        _ => Ok(role),
+    }
+}
+
+fn bind_reading(
+    binder: &mut Binder,
+    profile: &Profile,
+    Alternative { place, fields }: &Alternative,
+) -> Result<Reading, BindError> {
+    let condition = place.when.as_ref();
+    Ok(Reading {
+        condition: condition.map(|when| binder.condition(when)).transpose()?,
+        fields: binder.role(fields)?,
+        valid: (place.valid.iter())
+            .map(|path| binder.number(path))
+            .collect::<Result<_, _>>()?,
+        time: binder.time(place.time.as_ref().unwrap_or(&profile.time))?,
+    })
+}
+
+/// Those alternatives that are for a type of message.
+///
+/// # Errors
+/// All are for others.
+pub fn for_type<'p>(
+    schema_name: &str,
+    alternatives: impl Iterator<Item = &'p Alternative>,
+) -> Result<Vec<&'p Alternative>, BindError> {
+    let (fitting, others): (Vec<_>, Vec<_>) =
+        alternatives.partition(|alternative| alternative.place.is_for(schema_name));
+    match others.first() {
+        Some(other) if fitting.is_empty() => Err(BindError::OtherType {
+            name: schema_name.to_owned(),
+            wanted: other.place.schemas.clone(),
+        }),
+        _ => Ok(fitting),
+    }
+}

@@ -1,0 +1,303 @@
+//! Resolving a profile's fields against the schema of one channel.
+
+use super::{BindError, Slot, TimeSlots};
+use crate::{
+    decode::{
+        error::{Expected, SchemaError},
+        field::{FieldKind, Shape, Wanted},
+        path::FieldPath,
+        schema::MessageSchema,
+    },
+    source::profile::{
+        AttitudeFields, Components, Condition, Coordinates, Euler, GimbalFields, OptionalField,
+        Orientation, Pitch, Quaternion, RoleFields, SampleTime, Test, TimeField, VelocityFields,
+        convention::QuaternionOrder,
+    },
+};
+
+/// The members of a message that is a vector.
+const XYZ: [&str; 3] = ["x", "y", "z"];
+
+/// Resolves fields against the schema of one channel, and collects them for its decoder.
+#[derive(Debug)]
+pub struct Binder<'a> {
+    schema: &'a MessageSchema<'a>,
+    /// The fields that were resolved, in the order of their slots.
+    pub wanted: Vec<Wanted>,
+    /// The fields that the schema lacks. They are reported all at once.
+    lacking: Option<SchemaError>,
+}
+
+impl<'a> Binder<'a> {
+    /// With nothing resolved yet.
+    pub fn new(schema: &'a MessageSchema<'a>) -> Self {
+        Self {
+            schema,
+            wanted: Vec::new(),
+            lacking: None,
+        }
+    }
+
+    /// Does what `resolve` does, all or nothing: where the schema lacks fields or something else is wrong,
+    /// nothing stays wanted.
+    ///
+    /// # Errors
+    /// Those of `resolve`, or all the fields that are lacking.
+    pub fn attempt<T>(
+        &mut self,
+        resolve: impl FnOnce(&mut Self) -> Result<T, BindError>,
+    ) -> Result<T, BindError> {
+        let already_wanted = self.wanted.len();
+        let resolved = resolve(self);
+        let lacking = self.lacking.take();
+        let resolved = resolved.and_then(|resolved| match lacking {
+            Some(lacking) => Err(lacking.into()),
+            None => Ok(resolved),
+        });
+        if resolved.is_err() {
+            self.wanted.truncate(already_wanted);
+        }
+        resolved
+    }
+
+    /// Resolves the fields of a role.
+    pub fn role(&mut self, fields: &RoleFields) -> Result<RoleFields<Slot>, BindError> {
+        Ok(match fields {
+            RoleFields::Attitude(attitude) => RoleFields::Attitude(AttitudeFields {
+                orientation: self.orientation(&attitude.orientation)?,
+                convention: attitude.convention,
+                reset_counter: match &attitude.reset_counter {
+                    Some(counter) => self.optional(counter)?,
+                    None => None,
+                },
+            }),
+            RoleFields::Velocity(velocity) => RoleFields::Velocity(VelocityFields {
+                vector: self.components(&velocity.vector, XYZ)?,
+                frame: velocity.frame,
+                unit: velocity.unit,
+                required: velocity.required,
+            }),
+            RoleFields::Gimbal(gimbal) => RoleFields::Gimbal(GimbalFields {
+                orientation: self.orientation(&gimbal.orientation)?,
+                reference: gimbal.reference,
+                convention: gimbal.convention,
+            }),
+            RoleFields::Position(coordinates) => {
+                RoleFields::Position(self.coordinates(coordinates)?)
+            }
+        })
+    }
+
+    fn coordinates(&mut self, coordinates: &Coordinates) -> Result<Coordinates<Slot>, BindError> {
+        Ok(match coordinates {
+            Coordinates::Geodetic {
+                latitude,
+                longitude,
+                altitude,
+                unit,
+                altitude_unit,
+            } => Coordinates::Geodetic {
+                latitude: self.number(latitude)?,
+                longitude: self.number(longitude)?,
+                altitude: self.number(altitude)?,
+                unit: *unit,
+                altitude_unit: *altitude_unit,
+            },
+            Coordinates::Local {
+                vector,
+                frame,
+                unit,
+            } => Coordinates::Local {
+                vector: self.components(vector, XYZ)?,
+                frame: *frame,
+                unit: *unit,
+            },
+        })
+    }
+
+    fn orientation(&mut self, orientation: &Orientation) -> Result<Orientation<Slot>, BindError> {
+        Ok(match orientation {
+            Orientation::Quaternion(quaternion) => {
+                Orientation::Quaternion(self.quaternion(quaternion)?)
+            }
+            Orientation::Euler(euler) => Orientation::Euler(Euler {
+                roll: self.number(&euler.roll)?,
+                pitch: self.number(&euler.pitch)?,
+                yaw: self.number(&euler.yaw)?,
+                unit: euler.unit,
+            }),
+            Orientation::Pitch(pitch) => Orientation::Pitch(Pitch {
+                field: self.number(&pitch.field)?,
+                unit: pitch.unit,
+                positive: pitch.positive,
+            }),
+        })
+    }
+
+    fn quaternion(&mut self, quaternion: &Quaternion) -> Result<Quaternion<Slot>, BindError> {
+        let fields = self.components(&quaternion.fields, ["w", "x", "y", "z"])?;
+        let order = match (&quaternion.fields, &fields) {
+            // The members of a message were just named in this order.
+            (Components::Together(_), Components::Each(_)) => QuaternionOrder::Wxyz,
+            _ => quaternion.order,
+        };
+        Ok(Quaternion { fields, order })
+    }
+
+    /// Resolves a vector or a quaternion, the members of a message by these names.
+    fn components<const N: usize>(
+        &mut self,
+        components: &Components<N>,
+        names: [&str; N],
+    ) -> Result<Components<N, Slot>, BindError> {
+        match components {
+            Components::Each(paths) => self.each(paths),
+            Components::Together(path) => match self.kind_of(path)? {
+                Some(FieldKind::List | FieldKind::Unknown) => {
+                    Ok(Components::Together(self.slot(path, Shape::List)))
+                }
+                Some(FieldKind::Message(_)) => self.each(&names.map(|name| path.child(name))),
+                Some(kind) => Err(wrong_shape(path, Expected::Vector, kind)),
+                None => Ok(Components::Together(Slot::default())),
+            },
+        }
+    }
+
+    fn each<const N: usize>(
+        &mut self,
+        paths: &[FieldPath; N],
+    ) -> Result<Components<N, Slot>, BindError> {
+        let mut slots = [Slot::default(); N];
+        for (slot, path) in slots.iter_mut().zip(paths) {
+            *slot = self.number(path)?;
+        }
+        Ok(Components::Each(slots))
+    }
+
+    /// Resolves a number that some schemas do not have.
+    fn optional(
+        &mut self,
+        OptionalField { field, optional }: &OptionalField,
+    ) -> Result<Option<OptionalField<Slot>>, BindError> {
+        let is_number = |kind: FieldKind| kind.is_a(&Shape::Number);
+        if *optional && !self.schema.kind_of(field).is_ok_and(is_number) {
+            return Ok(None);
+        }
+        Ok(Some(OptionalField {
+            field: self.number(field)?,
+            optional: *optional,
+        }))
+    }
+
+    /// Resolves a number.
+    pub fn number(&mut self, path: &FieldPath) -> Result<Slot, BindError> {
+        match self.kind_of(path)? {
+            Some(kind) if kind.is_a(&Shape::Number) => Ok(self.slot(path, Shape::Number)),
+            Some(kind) => Err(wrong_shape(path, Expected::Number, kind)),
+            None => Ok(Slot::default()),
+        }
+    }
+
+    /// Resolves a condition.
+    pub fn condition(
+        &mut self,
+        Condition { field, test }: &Condition,
+    ) -> Result<Condition<Slot, i64>, BindError> {
+        let (field, test) = match test {
+            Test::Is(number) => (self.number(field)?, Test::Is(*number)),
+            Test::HasBits(bits) => (self.number(field)?, Test::HasBits(*bits)),
+            Test::Says(text) => {
+                let (slot, place) = match self.kind_of(field)? {
+                    Some(FieldKind::Text | FieldKind::Unknown) => self.word(field, text),
+                    Some(kind) => return Err(wrong_shape(field, Expected::Text, kind)),
+                    None => Default::default(),
+                };
+                (slot, Test::Says(place as i64))
+            }
+        };
+        Ok(Condition { field, test })
+    }
+
+    /// Resolves a time.
+    pub fn time(&mut self, time: &SampleTime) -> Result<SampleTime<TimeSlots>, BindError> {
+        const SECONDS: [&str; 3] = ["sec", "secs", "seconds"];
+        const NANOSECONDS: [&str; 5] = ["nanosec", "nsec", "nsecs", "nanos", "nanoseconds"];
+        let TimeField { path, unit } = match time {
+            SampleTime::LogTime => return Ok(SampleTime::LogTime),
+            SampleTime::PublishTime => return Ok(SampleTime::PublishTime),
+            SampleTime::Field(field) => field,
+        };
+        let Some(kind) = self.kind_of(path)? else {
+            return Ok(SampleTime::LogTime);
+        };
+        if let FieldKind::Message(names) = &kind {
+            let of = |known: &[&str]| names.iter().find(|name| known.contains(&name.as_str()));
+            if let (Some(seconds), Some(nanoseconds)) = (of(&SECONDS), of(&NANOSECONDS)) {
+                let seconds = self.number(&path.child(seconds))?;
+                let nanoseconds = self.number(&path.child(nanoseconds))?;
+                return Ok(SampleTime::Field(TimeSlots::SecondsAndNanoseconds([
+                    seconds,
+                    nanoseconds,
+                ])));
+            }
+        }
+        if !kind.is_a(&Shape::Number) {
+            return Err(wrong_shape(path, Expected::Time, kind));
+        }
+        let unit = unit.ok_or_else(|| BindError::NoUnit { path: path.clone() })?;
+        let slot = self.slot(path, Shape::Number);
+        Ok(SampleTime::Field(TimeSlots::Number { slot, unit }))
+    }
+
+    /// What a path leads to; `None`, and noted, where the schema lacks it.
+    fn kind_of(&mut self, path: &FieldPath) -> Result<Option<FieldKind>, BindError> {
+        match self.schema.kind_of(path) {
+            Ok(kind) => Ok(Some(kind)),
+            Err(error @ SchemaError::NoSuchField { .. }) => {
+                self.lacking = Some(match self.lacking.take() {
+                    Some(first) => first.and(Some(error)),
+                    None => error,
+                });
+                Ok(None)
+            }
+            Err(other) => Err(other.into()),
+        }
+    }
+
+    /// The slot of a field, which is the same for all who want the field in one shape.
+    fn slot(&mut self, path: &FieldPath, shape: Shape) -> Slot {
+        let path = path.clone();
+        let field = Wanted { path, shape };
+        let known = self.wanted.iter().position(|other| *other == field);
+        known.unwrap_or_else(|| {
+            self.wanted.push(field);
+            self.wanted.len() - 1
+        })
+    }
+
+    /// The slot of a text, and the place of a word among those that it is compared with.
+    fn word(&mut self, path: &FieldPath, word: &str) -> (Slot, usize) {
+        let of_path = |field: &Wanted| field.path == *path && matches!(field.shape, Shape::Word(_));
+        let slot = match self.wanted.iter().position(of_path) {
+            Some(slot) => slot,
+            None => self.slot(path, Shape::Word(Vec::new())),
+        };
+        let Shape::Word(words) = &mut self.wanted[slot].shape else {
+            unreachable!("the slot is that of a text");
+        };
+        let known = words.iter().position(|other| other == word);
+        let place = known.unwrap_or_else(|| {
+            words.push(word.to_owned());
+            words.len() - 1
+        });
+        (slot, place)
+    }
+}
+
+fn wrong_shape(path: &FieldPath, wanted: Expected, kind: FieldKind) -> BindError {
+    BindError::Schema(SchemaError::WrongShape {
+        path: path.clone(),
+        wanted,
+        kind,
+    })
+}

@@ -1,0 +1,298 @@
+//! Why a log's telemetry is not found, or not clear.
+
+use std::{collections::BTreeSet, fmt, path::PathBuf, sync::Arc};
+
+use serde::{Serialize, Serializer};
+
+use super::bind::BindError;
+use crate::{
+    decode::path::FieldPath,
+    error::Error,
+    log::{Log, ReadError},
+    sample::Kind,
+};
+
+/// Why a log's telemetry is not found, or not clear.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
+pub enum TelemetryError {
+    #[error(
+        "{}: no usable telemetry\nlooked for:{}\n{topics}", path.display(),
+        tried.iter().map(|(profile, misfit)| format!("\n  {profile}: {misfit}")).collect::<String>()
+    )]
+    NotFound {
+        path: PathBuf,
+        /// Each profile and why it does not fit.
+        tried: Vec<(String, Misfit)>,
+        topics: LogTopics,
+    },
+
+    #[error("{}: {} fit equally well", path.display(), topics.join(" and "))]
+    SeveralTopicsFit { path: PathBuf, topics: Vec<String> },
+
+    #[error(
+        "{}: several profiles fit equally well{}", path.display(),
+        fits.iter().map(|(profile, topic)| format!("\n  {profile}: {topic}")).collect::<String>()
+    )]
+    SeveralProfilesFit {
+        path: PathBuf,
+        /// Each profile and the topic where it finds the attitude.
+        fits: Vec<(String, String)>,
+    },
+
+    #[error(
+        "{}: has the telemetry of several vehicles, in the namespaces {}{}", path.display(),
+        namespaces.iter().map(|namespace| written(namespace)).collect::<Vec<_>>().join(", "),
+        if namespaces.contains("") { " (/ is the one without a namespace)" } else { "" }
+    )]
+    SeveralVehicles {
+        path: PathBuf,
+        /// The prefixes of their topics; empty for the one without.
+        namespaces: BTreeSet<String>,
+    },
+
+    #[error("{}: there is no topic in the namespace {namespace}\n{topics}", path.display())]
+    NoSuchNamespace {
+        path: PathBuf,
+        namespace: String,
+        topics: LogTopics,
+    },
+
+    #[error(
+        "{}: the given {} does not fit: {misfit}\n{topics}", path.display(), role.name()
+    )]
+    RoleDoesNotFit {
+        path: PathBuf,
+        role: Kind,
+        misfit: Box<Misfit>,
+        topics: LogTopics,
+    },
+
+    #[error("{}: the profile `{profile}` does not fit: {misfit}\n{topics}", path.display())]
+    ProfileDoesNotFit {
+        path: PathBuf,
+        profile: String,
+        misfit: Box<Misfit>,
+        topics: LogTopics,
+    },
+}
+
+/// A namespace as a request writes it.
+fn written(namespace: &str) -> &str {
+    match namespace {
+        "" => "/",
+        namespace => namespace,
+    }
+}
+
+/// Why a profile, or one of its roles, does not fit a log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Misfit {
+    /// None of the topics has messages.
+    NoMessages {
+        /// As profile or user name them.
+        topics: Vec<String>,
+    },
+    /// A topic's messages lack something.
+    Messages(TopicMisfit),
+    /// The attitude's messages have no fields for it.
+    NotWithAttitude {
+        /// The attitude's topic.
+        topic: String,
+    },
+    /// The profile does not say where the role is.
+    NotInProfile {
+        /// The profile.
+        profile: String,
+        /// The role.
+        role: Kind,
+    },
+    /// The user gave a topic, and no profile says how to read it.
+    OnlyATopic {
+        /// The role.
+        role: Kind,
+    },
+    /// No topic has messages with all of the fields.
+    NoSuchFields {
+        /// The fields.
+        fields: Vec<FieldPath>,
+        /// A topic that has some of them.
+        nearest: Option<TopicMisfit>,
+    },
+    /// No topic has messages of the type.
+    NoSuchType {
+        /// The types that would do.
+        schemas: Vec<String>,
+        /// A topic whose messages are of the type, and lack a field.
+        nearest: Option<TopicMisfit>,
+    },
+}
+
+impl fmt::Display for Misfit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoMessages { topics } => write!(f, "there is no message on {}", listed(topics)),
+            Self::Messages(misfit) => write!(f, "{}: {}", misfit.topic, misfit.cause),
+            Self::NotWithAttitude { topic } => write!(f, "the messages on {topic} have none"),
+            Self::NotInProfile { profile, role } => {
+                write!(f, "the profile `{profile}` has no {}", role.name())
+            }
+            Self::OnlyATopic { role } => write!(
+                f,
+                "only a topic was given for the {}, and no profile says which fields it has there",
+                role.name()
+            ),
+            Self::NoSuchFields { fields, nearest } => {
+                let fields: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
+                let fields = fields.join(", ");
+                write!(f, "no topic has messages with all of the fields {fields}")?;
+                write_nearest(f, nearest.as_ref())
+            }
+            Self::NoSuchType { schemas, nearest } => {
+                let schemas = schemas.join(" or ");
+                write!(f, "no topic has messages of type {schemas}")?;
+                write_nearest(f, nearest.as_ref())
+            }
+        }
+    }
+}
+
+fn write_nearest(f: &mut fmt::Formatter<'_>, nearest: Option<&TopicMisfit>) -> fmt::Result {
+    match nearest {
+        None => Ok(()),
+        Some(TopicMisfit { topic, cause }) if cause.is_opaque() => {
+            write!(f, "; what {topic} has is not known: {cause}")
+        }
+        Some(TopicMisfit { topic, cause }) => write!(f, "; {topic} comes closest: {cause}"),
+    }
+}
+
+/// The first few of the topics that would do.
+fn listed(names: &[String]) -> String {
+    const LISTED: usize = 3;
+    match names.len().saturating_sub(LISTED) {
+        0 => names.join(" or "),
+        1 => format!("{} or one other", names[..LISTED].join(", ")),
+        more => format!("{} or {more} others", names[..LISTED].join(", ")),
+    }
+}
+
+/// Why the messages on a topic do not fit.
+#[derive(Debug, Clone, Serialize)]
+pub struct TopicMisfit {
+    /// The topic.
+    pub topic: String,
+    #[serde(serialize_with = "as_text")]
+    cause: Arc<BindError>,
+}
+
+impl TopicMisfit {
+    pub(super) fn new(topic: &str, cause: BindError) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            cause: cause.into(),
+        }
+    }
+
+    /// How many fields its messages lack.
+    pub(super) fn lacks(&self) -> usize {
+        self.cause.lacks()
+    }
+
+    /// Whether the fields of its messages cannot be known.
+    pub(super) fn is_opaque(&self) -> bool {
+        self.cause.is_opaque()
+    }
+}
+
+impl PartialEq for TopicMisfit {
+    fn eq(&self, other: &Self) -> bool {
+        self.topic == other.topic && self.cause.to_string() == other.cause.to_string()
+    }
+}
+
+fn as_text<S: Serializer>(cause: &Arc<BindError>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(cause)
+}
+
+/// Why nothing was found, where the search may go on elsewhere, or not.
+#[derive(Debug)]
+pub enum Unfit {
+    /// The log does not have what was looked for.
+    Misfit(Misfit),
+    /// The search ends here.
+    Error(Error),
+}
+
+impl From<Misfit> for Unfit {
+    fn from(misfit: Misfit) -> Self {
+        Self::Misfit(misfit)
+    }
+}
+
+impl From<ReadError> for Unfit {
+    fn from(error: ReadError) -> Self {
+        Self::Error(error.into())
+    }
+}
+
+impl From<Error> for Unfit {
+    fn from(error: Error) -> Self {
+        Self::Error(error)
+    }
+}
+
+/// The topics of a log that have messages, as its errors list them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct LogTopics(pub BTreeSet<LogTopic>);
+
+/// A topic that has messages.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct LogTopic {
+    /// Its name.
+    pub topic: String,
+    /// How its messages are encoded.
+    pub message_encoding: String,
+    /// The name of their type, if they have one.
+    pub schema: Option<String>,
+}
+
+impl LogTopics {
+    pub(super) fn of(log: &Log) -> Self {
+        let channels = log.contents.channels_with_messages();
+        let topics = channels.map(|(channel, _)| LogTopic {
+            topic: channel.topic.clone(),
+            message_encoding: channel.message_encoding.clone(),
+            schema: (log.contents.schema_of(channel)).map(|schema| schema.name.clone()),
+        });
+        Self(topics.collect())
+    }
+}
+
+impl fmt::Display for LogTopics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        /// How many topics are listed at most.
+        const LISTED: usize = 60;
+        if self.0.is_empty() {
+            return f.write_str("the log has no messages");
+        }
+        f.write_str("topics of the log:")?;
+        for topic in self.0.iter().take(LISTED) {
+            let schema = topic.schema.as_deref().unwrap_or("no schema");
+            write!(
+                f,
+                "\n  {} ({}, {schema})",
+                topic.topic, topic.message_encoding
+            )?;
+        }
+        match self.0.len().saturating_sub(LISTED) {
+            0 => Ok(()),
+            more => write!(f, "\n  and {more} more"),
+        }
+    }
+}

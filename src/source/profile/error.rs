@@ -1,0 +1,108 @@
+//! What can be wrong with a profile.
+
+use std::{io, path::PathBuf};
+
+use crate::{decode::path::NotAPath, sample::Kind, source::pattern::VEHICLE};
+
+/// Why there is no profile of a name.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+// What each variant and field is, its message says.
+#[allow(missing_docs)]
+pub enum ProfileError {
+    #[error(
+        "unknown profile `{name}`: the built-in profiles are {}; \
+         a profile of your own is given as the path of a .toml file", built_in.join(", ")
+    )]
+    Unknown { name: String, built_in: Vec<String> },
+
+    #[error("{}: not a profile: {source}", path.display())]
+    Io { path: PathBuf, source: io::Error },
+
+    #[error("{}: not a profile: {problem}", path.display())]
+    Bad { path: PathBuf, problem: NotAProfile },
+}
+
+/// Why a text is not a profile.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum NotAProfile {
+    #[error("{}", .0.to_string().trim())]
+    Syntax(toml::de::Error),
+
+    #[error("{}", in_one_line(.0))]
+    Content(toml::de::Error),
+
+    #[error("unknown key `{key}`; docs/profiles.md lists the keys of a profile")]
+    UnknownKey { key: String },
+
+    #[error("`attitude` is empty: it takes at least one alternative")]
+    NoAttitude,
+
+    #[error(
+        "some alternatives of `attitude` have `topics` and others have not; \
+         name the topics of each, or of none"
+    )]
+    TopicsOfSome,
+
+    #[error(
+        "a topic with {VEHICLE} takes `namespaced = true`: \
+         a vehicle's number is part of its namespace"
+    )]
+    VehicleWithoutNamespace,
+
+    #[error("{problem}, in `{}`", role.name())]
+    Role { role: Kind, problem: BadRole },
+}
+
+/// What is wrong with a role of a profile.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum BadRole {
+    #[error("{what} needs one of `{}`", keys.join("`, `"))]
+    NoneOf {
+        what: &'static str,
+        keys: &'static [&'static str],
+    },
+
+    #[error("{what} takes only one of `{}`", keys.join("`, `"))]
+    SeveralOf {
+        what: &'static str,
+        keys: &'static [&'static str],
+    },
+
+    #[error(transparent)]
+    NotAPath(#[from] NotAPath),
+
+    #[error("`{path}` names no field")]
+    NoField { path: String },
+
+    #[error(
+        "a path names the topic {topic}, and there is `topics` as well; leave one of the two out"
+    )]
+    TopicTwice { topic: String },
+
+    #[error(
+        "paths name the topics {} and {}; what belongs to one sample must come in one message",
+        topics[0], topics[1]
+    )]
+    SeveralTopics { topics: [String; 2] },
+
+    #[error(
+        "a pitch alone has no yaw that could be measured from north: it is measured from the horizon \
+         under the drone's heading (`heading`), or from the airframe (`airframe`)"
+    )]
+    PitchFromNorth,
+
+    #[error("a pitch alone has no convention; `positive` says its sign")]
+    PitchWithConvention,
+}
+
+/// What is wrong with a value, and in which key.
+pub(super) fn in_one_line(error: &toml::de::Error) -> String {
+    let text = error.to_string();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
+    lines.join(", ")
+}

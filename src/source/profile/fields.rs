@@ -1,0 +1,298 @@
+//! What the samples of each role are made of: its fields, and the conventions that they are in.
+//!
+//! `F` stands for a field: its path in a profile, its slot in a decoder.
+
+use std::{fmt, marker::PhantomData};
+
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{
+        Error, IntoDeserializer, MapAccess, SeqAccess, Visitor,
+        value::{MapAccessDeserializer, SeqAccessDeserializer},
+    },
+};
+
+use super::{
+    components::Components,
+    convention::{
+        AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
+        SpeedUnit, VelocityFrame,
+    },
+    error::BadRole,
+};
+use crate::{
+    decode::path::FieldPath,
+    sample::{GimbalReference, Kind},
+};
+
+/// The fields of one role.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum RoleFields<F = FieldPath> {
+    /// Of the drone's attitude.
+    Attitude(AttitudeFields<F>),
+    /// Of the drone's velocity over ground.
+    Velocity(VelocityFields<F>),
+    /// Of the angles of a gimbal.
+    Gimbal(GimbalFields<F>),
+    /// Of the drone's position.
+    Position(Coordinates<F>),
+}
+
+/// The drone's attitude.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct AttitudeFields<F = FieldPath> {
+    /// How the drone is turned: a [`Pitch`] alone does not tell.
+    pub orientation: Orientation<F>,
+    /// Between which frames the orientation turns.
+    #[serde(default)]
+    pub convention: Convention,
+    /// A count of the estimator's jumps.
+    pub reset_counter: Option<OptionalField<F>>,
+}
+
+/// The drone's velocity over ground.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct VelocityFields<F = FieldPath> {
+    /// The velocity.
+    pub vector: Components<3, F>,
+    /// Its axes.
+    pub frame: VelocityFrame,
+    /// Its unit.
+    #[serde(default)]
+    pub unit: SpeedUnit,
+    /// Whether the profile fits only a log that has it.
+    #[serde(default)]
+    pub required: bool,
+}
+
+/// The angles of a gimbal.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct GimbalFields<F = FieldPath> {
+    /// How it holds the camera.
+    pub orientation: Orientation<F>,
+    /// What the angles are measured from.
+    pub reference: GimbalReference,
+    /// Between which frames the orientation turns: [`Convention::FluEnu`] if camera and reference have their z
+    /// axes up.
+    #[serde(default)]
+    pub convention: Convention,
+}
+
+/// The drone's position.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Coordinates<F = FieldPath> {
+    /// On the globe.
+    Geodetic {
+        /// North of the equator.
+        latitude: F,
+        /// East of Greenwich.
+        longitude: F,
+        /// Above whatever the log takes for zero.
+        altitude: F,
+        /// Of latitude and longitude.
+        unit: AngleUnit,
+        /// Of the altitude.
+        #[serde(default)]
+        altitude_unit: LengthUnit,
+    },
+    /// From an origin of the log's own.
+    Local {
+        /// The place.
+        vector: Components<3, F>,
+        /// Its axes.
+        frame: PositionFrame,
+        /// Its unit.
+        #[serde(default)]
+        unit: LengthUnit,
+    },
+}
+
+/// An orientation.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Orientation<F = FieldPath> {
+    /// A rotation.
+    Quaternion(Quaternion<F>),
+    /// Fixed-axis roll, pitch, yaw (intrinsic ZYX).
+    Euler(Euler<F>),
+    /// The angle of a gimbal's optical axis above the horizon alone: no roll, and no yaw.
+    Pitch(Pitch<F>),
+}
+
+/// A quaternion: one field that has all of it, or four in the given order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quaternion<F = FieldPath> {
+    /// The fields.
+    pub fields: Components<4, F>,
+    /// The order of a list, or of the fields. A message's are known by their names.
+    pub order: QuaternionOrder,
+}
+
+/// Fixed-axis angles, `R = Rz(yaw) Ry(pitch) Rx(roll)`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Euler<F = FieldPath> {
+    /// About the front axis.
+    pub roll: F,
+    /// About the side axis.
+    pub pitch: F,
+    /// About the vertical axis.
+    pub yaw: F,
+    /// Of all three.
+    pub unit: AngleUnit,
+}
+
+/// A pitch angle alone.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pitch<F = FieldPath> {
+    /// The field.
+    pub field: F,
+    /// Its unit.
+    pub unit: AngleUnit,
+    /// Which way is positive.
+    #[serde(default)]
+    pub positive: PositiveDirection,
+}
+
+/// A field that not every version of a schema has.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a table, as in { field = \"count\" }"
+)]
+pub struct OptionalField<F = FieldPath> {
+    /// The field.
+    pub field: F,
+    /// Whether a schema without the field is fine.
+    #[serde(default)]
+    pub optional: bool,
+}
+
+impl<F> RoleFields<F> {
+    /// The role.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Attitude(_) => Kind::Attitude,
+            Self::Velocity(_) => Kind::Velocity,
+            Self::Gimbal(_) => Kind::Gimbal,
+            Self::Position(_) => Kind::Position,
+        }
+    }
+
+    /// The fields that a sample cannot do without.
+    pub fn fields(&self) -> Vec<&F> {
+        match self {
+            Self::Attitude(attitude) => attitude.orientation.fields(),
+            Self::Velocity(velocity) => velocity.vector.fields(),
+            Self::Gimbal(gimbal) => gimbal.orientation.fields(),
+            Self::Position(Coordinates::Local { vector, .. }) => vector.fields(),
+            Self::Position(Coordinates::Geodetic {
+                latitude,
+                longitude,
+                altitude,
+                ..
+            }) => vec![latitude, longitude, altitude],
+        }
+    }
+
+    /// Whether a profile fits only a log that has these.
+    pub(in crate::source) fn is_required(&self) -> bool {
+        matches!(self, Self::Velocity(velocity) if velocity.required)
+    }
+
+    /// Checks what the types leave open.
+    pub(in crate::source) fn check(&self) -> Result<(), BadRole> {
+        match self {
+            Self::Gimbal(GimbalFields {
+                orientation: Orientation::Pitch(_),
+                reference,
+                convention,
+            }) => match (reference, convention) {
+                (GimbalReference::Earth, _) => Err(BadRole::PitchFromNorth),
+                (_, Convention::FluEnu) => Err(BadRole::PitchWithConvention),
+                (_, Convention::FrdNed) => Ok(()),
+            },
+            _ => Ok(()),
+        }
+    }
+}
+
+impl RoleFields {
+    /// Reads those of a role from its table in a profile, which has other keys too.
+    pub(super) fn read(kind: Kind, role: toml::Value) -> Result<Self, toml::de::Error> {
+        /// The key of these has to be found among the others.
+        #[derive(Deserialize)]
+        struct Position {
+            #[serde(flatten)]
+            coordinates: Coordinates,
+        }
+        Ok(match kind {
+            Kind::Attitude => Self::Attitude(role.try_into()?),
+            Kind::Velocity => Self::Velocity(role.try_into()?),
+            Kind::Gimbal => Self::Gimbal(role.try_into()?),
+            Kind::Position => {
+                let Position { coordinates } = role.try_into()?;
+                Self::Position(coordinates)
+            }
+        })
+    }
+}
+
+impl<F> Orientation<F> {
+    /// The fields.
+    fn fields(&self) -> Vec<&F> {
+        match self {
+            Self::Quaternion(quaternion) => quaternion.fields.fields(),
+            Self::Euler(Euler {
+                roll, pitch, yaw, ..
+            }) => vec![roll, pitch, yaw],
+            Self::Pitch(pitch) => vec![&pitch.field],
+        }
+    }
+}
+
+impl<'de, F: Deserialize<'de>> Deserialize<'de> for Quaternion<F> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(WithOrWithoutOrder(PhantomData))
+    }
+}
+
+/// Not an untagged enum, whose errors would not say which key is wrong.
+struct WithOrWithoutOrder<F>(PhantomData<F>);
+
+impl<'de, F: Deserialize<'de>> Visitor<'de> for WithOrWithoutOrder<F> {
+    type Value = Quaternion<F>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a field or a list of fields, or a table of `fields` and `order`")
+    }
+
+    fn visit_str<E: Error>(self, field: &str) -> Result<Self::Value, E> {
+        Components::deserialize(field.into_deserializer()).map(Quaternion::from)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, fields: A) -> Result<Self::Value, A::Error> {
+        Components::deserialize(SeqAccessDeserializer::new(fields)).map(Quaternion::from)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<Self::Value, A::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Ordered<F> {
+            fields: Components<4, F>,
+            order: QuaternionOrder,
+        }
+        let Ordered { fields, order } = Ordered::deserialize(MapAccessDeserializer::new(table))?;
+        Ok(Quaternion { fields, order })
+    }
+}
+
+impl<F> From<Components<4, F>> for Quaternion<F> {
+    fn from(fields: Components<4, F>) -> Self {
+        let order = QuaternionOrder::default();
+        Self { fields, order }
+    }
+}

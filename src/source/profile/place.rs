@@ -1,0 +1,92 @@
+//! Which messages samples are read from, on which condition, and what their time is.
+
+use serde::{Deserialize, Serialize};
+
+use super::convention::TimeUnit;
+use crate::decode::path::FieldPath;
+
+/// Which messages an alternative reads, whatever it reads from them.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
+#[serde(default)]
+pub struct Place {
+    /// Topics in order of preference; `{n}` in one stands for any number, the largest first, `{vehicle}` for a
+    /// vehicle's number, which with all that comes before it is the vehicle's namespace. Empty: for an
+    /// attitude any one topic whose messages have all of the fields, else the attitude's own messages.
+    pub topics: Vec<String>,
+    /// The names of message types, of which a channel must have one. Empty: any. A `/msg/` within makes no
+    /// difference.
+    pub schemas: Vec<String>,
+    /// What must hold for a message to be read so. One for which no alternative holds is dropped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub when: Option<Condition>,
+    /// Fields of which each must be true (not 0) for a sample to be valid.
+    pub valid: Vec<FieldPath>,
+    /// What the time of a sample is, where it is not the profile's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<SampleTime>,
+}
+
+impl Place {
+    /// The messages on one topic.
+    pub fn on(topic: impl Into<String>) -> Self {
+        Self {
+            topics: vec![topic.into()],
+            ..Self::default()
+        }
+    }
+
+    /// Whether messages of a type are meant.
+    pub(in crate::source) fn is_for(&self, schema_name: &str) -> bool {
+        let plain = |name: &str| name.replace("/msg/", "/");
+        let mut schemas = self.schemas.iter();
+        self.schemas.is_empty() || schemas.any(|wanted| plain(wanted) == plain(schema_name))
+    }
+}
+
+/// What must hold for a message to be read in a certain way. `F` stands for a field and `W` for a word: their path
+/// and text in a profile, their numbers in a decoder.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition<F = FieldPath, W = String> {
+    /// The field that tells.
+    pub field: F,
+    /// What it must hold.
+    #[serde(flatten)]
+    pub test: Test<W>,
+}
+
+/// What a field must hold.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Test<W = String> {
+    /// This number.
+    Is(i64),
+    /// This text.
+    Says(W),
+    /// A number with any of these bits.
+    HasBits(u64),
+}
+
+/// What the time of a sample is.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SampleTime<F = TimeField> {
+    /// When the recorder received the message.
+    #[default]
+    LogTime,
+    /// When the message was published.
+    PublishTime,
+    /// What a field of the message says.
+    Field(F),
+}
+
+/// A field with a time: a number, or a message of seconds and nanoseconds.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeField {
+    /// The field.
+    pub path: FieldPath,
+    /// Of a number, which needs one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<TimeUnit>,
+}

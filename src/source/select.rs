@@ -1,0 +1,197 @@
+//! Selecting the telemetry of a log: which profile, which vehicle, and which of the log's channels.
+
+mod channels;
+mod finder;
+mod fit;
+mod requested;
+
+use std::{cmp::Reverse, collections::BTreeSet};
+
+use super::{
+    RunnerUp, Source,
+    error::{LogTopics, TelemetryError, Unfit},
+    profile::Profile,
+    request::Request,
+};
+use crate::{decode::FirstMessages, error::Error, log::Log, sample::Kind};
+use finder::Finder;
+pub use fit::Fit;
+use fit::{Specificity, specificity};
+
+/// How well a profile fits, the best last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Rank {
+    /// What is known by its topics is the vehicle's own estimate; what has the right fields may be anything's.
+    specificity: Specificity,
+    has_velocity: bool,
+}
+
+/// A profile, and a place in the log that it fits.
+struct Candidate<'p> {
+    profile: &'p Profile,
+    fit: Fit,
+}
+
+impl Candidate<'_> {
+    fn rank(&self) -> Rank {
+        Rank {
+            specificity: specificity(self.profile),
+            has_velocity: self.fit.role(Kind::Velocity).is_ok(),
+        }
+    }
+
+    /// Whether this is a vehicle, and not just a topic with the right fields.
+    fn is_vehicle(&self) -> bool {
+        specificity(self.profile) == Specificity::Topic
+    }
+}
+
+/// Which profiles are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Thoroughness {
+    /// Until none that is left could fit better.
+    UntilFound,
+    All,
+}
+
+impl Source {
+    /// Finds the telemetry of a log.
+    ///
+    /// # Errors
+    /// The profile does not fit the log, or none does, or several fit equally well.
+    pub fn select(log: &Log, request: &Request) -> Result<Self, Error> {
+        Self::find(log, request, Thoroughness::UntilFound)
+    }
+
+    /// As [`select`](Self::select), trying every profile, so that all runners-up are known.
+    ///
+    /// # Errors
+    /// Those of [`select`](Self::select).
+    pub fn compare(log: &Log, request: &Request) -> Result<Self, Error> {
+        Self::find(log, request, Thoroughness::All)
+    }
+
+    fn find(log: &Log, request: &Request, thoroughness: Thoroughness) -> Result<Self, Error> {
+        let examples = FirstMessages::new(log);
+        let finder = Finder::new(log, &examples, request);
+        finder.check_request()?;
+        let mut profiles = request.profiles();
+        // What one profile does not know by its topics another may; the sort keeps their order otherwise.
+        profiles.sort_by_key(|profile| Reverse(specificity(profile)));
+        let (candidates, misfits) = try_profiles(&finder, &profiles, thoroughness)?;
+        let Some((best, rest)) = choose(candidates) else {
+            return Err(none_fits(log, misfits).into());
+        };
+        let [Candidate { profile, fit }] = best.as_slice() else {
+            return Err(ambiguity(log, &best).into());
+        };
+        let runners_up = rest.into_iter().map(|candidate| RunnerUp {
+            profile: candidate.profile.name.clone(),
+            attitude: Ok(candidate.fit.attitude),
+        });
+        Ok(Self {
+            channels: finder.channels_of(profile, fit, &Kind::ALL)?,
+            runners_up: runners_up.chain(misfits).collect(),
+            profile: (*profile).clone(),
+            fit: fit.clone(),
+        })
+    }
+
+    /// Reads only these kinds of sample, so that what else is in their messages cannot trouble them.
+    ///
+    /// # Errors
+    /// The log cannot be read.
+    pub fn keep(self, log: &Log, request: &Request, kinds: &[Kind]) -> Result<Self, Error> {
+        let examples = FirstMessages::new(log);
+        let finder = Finder::new(log, &examples, request);
+        Ok(Self {
+            channels: finder.channels_of(&self.profile, &self.fit, kinds)?,
+            ..self
+        })
+    }
+}
+
+/// Where the profiles fit, and those that do not.
+fn try_profiles<'p>(
+    finder: &Finder,
+    profiles: &'p [Profile],
+    thoroughness: Thoroughness,
+) -> Result<(Vec<Candidate<'p>>, Vec<RunnerUp>), Error> {
+    let mut candidates: Vec<Candidate> = Vec::new();
+    let mut misfits = Vec::new();
+    for profile in profiles {
+        let could_be_best = Rank {
+            has_velocity: true,
+            specificity: specificity(profile),
+        };
+        let best = candidates.iter().map(Candidate::rank).max();
+        if thoroughness == Thoroughness::UntilFound && best > Some(could_be_best) {
+            break;
+        }
+        match finder.fit(profile) {
+            Ok(fits) => candidates.extend(fits.into_iter().map(|fit| Candidate { profile, fit })),
+            Err(Unfit::Misfit(misfit)) => misfits.push(RunnerUp {
+                profile: profile.name.clone(),
+                attitude: Err(misfit),
+            }),
+            Err(Unfit::Error(error)) => return Err(error),
+        }
+    }
+    Ok((candidates, misfits))
+}
+
+/// The best candidates, and the others, the better ones first.
+fn choose(candidates: Vec<Candidate>) -> Option<(Vec<Candidate>, Vec<Candidate>)> {
+    let best = candidates.iter().map(Candidate::rank).max()?;
+    // Which of several vehicles is meant does not follow from how much is known of each.
+    let vehicles = candidates.iter().filter(|candidate| candidate.is_vehicle());
+    let vehicles: BTreeSet<&str> = vehicles.map(|one| one.fit.namespace.as_str()).collect();
+    let of_several = vehicles.len() > 1;
+    let is_best =
+        |candidate: &Candidate| candidate.rank() == best || of_several && candidate.is_vehicle();
+    let (best, mut rest): (Vec<_>, Vec<_>) = candidates.into_iter().partition(is_best);
+    rest.sort_by_key(|candidate| Reverse(candidate.rank()));
+    Some((best, rest))
+}
+
+fn none_fits(log: &Log, misfits: Vec<RunnerUp>) -> TelemetryError {
+    let path = log.file.path().to_owned();
+    let topics = LogTopics::of(log);
+    let misfits = misfits.into_iter();
+    let tried: Vec<_> = misfits
+        .filter_map(|misfit| Some((misfit.profile, misfit.attitude.err()?)))
+        .collect();
+    match <[_; 1]>::try_from(tried) {
+        Ok([(profile, misfit)]) => TelemetryError::ProfileDoesNotFit {
+            path,
+            profile,
+            misfit: misfit.into(),
+            topics,
+        },
+        Err(tried) => TelemetryError::NotFound {
+            path,
+            tried,
+            topics,
+        },
+    }
+}
+
+/// Why one of several candidates that are equally good cannot be chosen.
+fn ambiguity(log: &Log, candidates: &[Candidate]) -> TelemetryError {
+    let path = log.file.path().to_owned();
+    let of_each = |text: fn(&Candidate) -> String| candidates.iter().map(text);
+    let profile = |candidate: &Candidate| candidate.profile.name.clone();
+    let topic = |candidate: &Candidate| candidate.fit.attitude.topic.clone();
+    let namespace = |candidate: &Candidate| candidate.fit.namespace.clone();
+    let namespaces: BTreeSet<String> = of_each(namespace).collect();
+    let profiles: BTreeSet<String> = of_each(profile).collect();
+    if namespaces.len() > 1 {
+        TelemetryError::SeveralVehicles { path, namespaces }
+    } else if profiles.len() > 1 {
+        let fits = of_each(profile).zip(of_each(topic)).collect();
+        TelemetryError::SeveralProfilesFit { path, fits }
+    } else {
+        let topics = of_each(topic).collect();
+        TelemetryError::SeveralTopicsFit { path, topics }
+    }
+}
