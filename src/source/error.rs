@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::bind::BindError;
 use crate::{
-    decode::path::FieldPath,
+    decode::{error::quote, path::FieldPath},
     error::Error,
     log::{Log, ReadError},
     sample::Kind,
@@ -88,86 +88,59 @@ fn written(namespace: &str) -> &str {
 }
 
 /// Why a profile, or one of its roles, does not fit a log.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
+#[allow(missing_docs)]
 pub enum Misfit {
-    /// None of the topics has messages.
+    #[error("there is no message on {}", listed(topics))]
     NoMessages {
-        /// As profile or user name them.
+        /// As the profile or the user names them.
         topics: Vec<String>,
     },
-    /// A topic's messages lack something.
+
+    #[error("{}: {}", .0.topic, .0.cause)]
     Messages(TopicMisfit),
-    /// The attitude's messages have no fields for it.
-    NotWithAttitude {
-        /// The attitude's topic.
-        topic: String,
-    },
-    /// The profile does not say where the role is.
-    NotInProfile {
-        /// The profile.
-        profile: String,
-        /// The role.
-        role: Kind,
-    },
-    /// The user gave a topic, and no profile says how to read it.
-    OnlyATopic {
-        /// The role.
-        role: Kind,
-    },
-    /// No topic has messages with all of the fields.
+
+    #[error("the messages on {topic} have none")]
+    NotWithAttitude { topic: String },
+
+    #[error("the profile `{profile}` has no {}", role.name())]
+    NotInProfile { profile: String, role: Kind },
+
+    #[error(
+        "only a topic was given for the {}, and no profile says which fields it has there",
+        role.name()
+    )]
+    OnlyATopic { role: Kind },
+
+    #[error(
+        "no topic has messages with all of the fields {}{}",
+        quote(fields),
+        closest(nearest)
+    )]
     NoSuchFields {
-        /// The fields.
         fields: Vec<FieldPath>,
-        /// A topic that has some of them.
+        /// A topic that has some of them, or may have.
         nearest: Option<TopicMisfit>,
     },
-    /// No topic has messages of the type.
+
+    #[error("no topic has messages of type {}{}", schemas.join(" or "), closest(nearest))]
     NoSuchType {
-        /// The types that would do.
+        /// Any of which would do.
         schemas: Vec<String>,
         /// A topic whose messages are of the type, and lack a field.
         nearest: Option<TopicMisfit>,
     },
 }
 
-impl fmt::Display for Misfit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoMessages { topics } => write!(f, "there is no message on {}", listed(topics)),
-            Self::Messages(misfit) => write!(f, "{}: {}", misfit.topic, misfit.cause),
-            Self::NotWithAttitude { topic } => write!(f, "the messages on {topic} have none"),
-            Self::NotInProfile { profile, role } => {
-                write!(f, "the profile `{profile}` has no {}", role.name())
-            }
-            Self::OnlyATopic { role } => write!(
-                f,
-                "only a topic was given for the {}, and no profile says which fields it has there",
-                role.name()
-            ),
-            Self::NoSuchFields { fields, nearest } => {
-                let fields: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
-                let fields = fields.join(", ");
-                write!(f, "no topic has messages with all of the fields {fields}")?;
-                write_nearest(f, nearest.as_ref())
-            }
-            Self::NoSuchType { schemas, nearest } => {
-                let schemas = schemas.join(" or ");
-                write!(f, "no topic has messages of type {schemas}")?;
-                write_nearest(f, nearest.as_ref())
-            }
-        }
-    }
-}
-
-fn write_nearest(f: &mut fmt::Formatter<'_>, nearest: Option<&TopicMisfit>) -> fmt::Result {
+fn closest(nearest: &Option<TopicMisfit>) -> String {
     match nearest {
-        None => Ok(()),
+        None => String::new(),
         Some(TopicMisfit { topic, cause }) if cause.is_opaque() => {
-            write!(f, "; what {topic} has is not known: {cause}")
+            format!("; what {topic} has is not known: {cause}")
         }
-        Some(TopicMisfit { topic, cause }) => write!(f, "; {topic} comes closest: {cause}"),
+        Some(TopicMisfit { topic, cause }) => format!("; {topic} comes closest: {cause}"),
     }
 }
 
@@ -219,30 +192,20 @@ fn as_text<S: Serializer>(cause: &Arc<BindError>, serializer: S) -> Result<S::Ok
     serializer.collect_str(cause)
 }
 
-/// Why nothing was found, where the search may go on elsewhere, or not.
-#[derive(Debug)]
+/// Why nothing was found.
+#[derive(Debug, thiserror::Error)]
 pub enum Unfit {
-    /// The log does not have what was looked for.
-    Misfit(Misfit),
+    /// The log does not have what was looked for; another profile may fit.
+    #[error(transparent)]
+    Misfit(#[from] Misfit),
     /// The search ends here.
-    Error(Error),
-}
-
-impl From<Misfit> for Unfit {
-    fn from(misfit: Misfit) -> Self {
-        Self::Misfit(misfit)
-    }
+    #[error(transparent)]
+    Error(#[from] Error),
 }
 
 impl From<ReadError> for Unfit {
     fn from(error: ReadError) -> Self {
         Self::Error(error.into())
-    }
-}
-
-impl From<Error> for Unfit {
-    fn from(error: Error) -> Self {
-        Self::Error(error)
     }
 }
 

@@ -1,11 +1,10 @@
 //! The fields of a vector or a quaternion.
 
-use std::{fmt, marker::PhantomData};
-
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
-    de::{Error, IntoDeserializer, SeqAccess, Visitor, value::SeqAccessDeserializer},
+    de::{DeserializeOwned, Error},
 };
+use toml::Value;
 
 use crate::decode::path::FieldPath;
 
@@ -64,28 +63,15 @@ impl<const N: usize, F: Serialize> Serialize for Components<N, F> {
     }
 }
 
-impl<'de, const N: usize, F: Deserialize<'de>> Deserialize<'de> for Components<N, F> {
+impl<'de, const N: usize, F: DeserializeOwned> Deserialize<'de> for Components<N, F> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OneOrEach(PhantomData))
-    }
-}
-
-/// Not an untagged enum, whose errors would not say what is wrong with a path.
-struct OneOrEach<const N: usize, F>(PhantomData<F>);
-
-impl<'de, const N: usize, F: Deserialize<'de>> Visitor<'de> for OneOrEach<N, F> {
-    type Value = Components<N, F>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a field or a list of fields")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
-        F::deserialize(text.into_deserializer()).map(Components::Together)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, fields: A) -> Result<Self::Value, A::Error> {
-        let fields = Vec::deserialize(SeqAccessDeserializer::new(fields))?;
-        Components::of(fields).map_err(A::Error::custom)
+        // Not an untagged enum, whose errors would not say what is wrong with a path.
+        let fields = match Value::deserialize(deserializer)? {
+            Value::Array(fields) => fields,
+            field @ Value::String(_) => vec![field],
+            _ => return Err(D::Error::custom("wanted a field or a list of fields")),
+        };
+        let fields: Result<Vec<F>, _> = fields.into_iter().map(Value::try_into).collect();
+        Self::of(fields.map_err(D::Error::custom)?).map_err(D::Error::custom)
     }
 }

@@ -2,15 +2,8 @@
 //!
 //! `F` stands for a field: its path in a profile, its slot in a decoder.
 
-use std::{fmt, marker::PhantomData};
-
-use serde::{
-    Deserialize, Deserializer, Serialize,
-    de::{
-        Error, IntoDeserializer, MapAccess, SeqAccess, Visitor,
-        value::{MapAccessDeserializer, SeqAccessDeserializer},
-    },
-};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use toml::Value;
 
 use super::{
     components::Components,
@@ -41,6 +34,7 @@ pub enum RoleFields<F = FieldPath> {
 
 /// The drone's attitude.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(bound(deserialize = "F: DeserializeOwned"))]
 pub struct AttitudeFields<F = FieldPath> {
     /// How the drone is turned: a [`Pitch`] alone does not tell.
     pub orientation: Orientation<F>,
@@ -53,6 +47,7 @@ pub struct AttitudeFields<F = FieldPath> {
 
 /// The drone's velocity over ground.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(bound(deserialize = "F: DeserializeOwned"))]
 pub struct VelocityFields<F = FieldPath> {
     /// The velocity.
     pub vector: Components<3, F>,
@@ -68,6 +63,7 @@ pub struct VelocityFields<F = FieldPath> {
 
 /// The angles of a gimbal.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(bound(deserialize = "F: DeserializeOwned"))]
 pub struct GimbalFields<F = FieldPath> {
     /// How it holds the camera.
     pub orientation: Orientation<F>,
@@ -81,7 +77,11 @@ pub struct GimbalFields<F = FieldPath> {
 
 /// The drone's position.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(
+    rename_all = "snake_case",
+    deny_unknown_fields,
+    bound(deserialize = "F: DeserializeOwned")
+)]
 pub enum Coordinates<F = FieldPath> {
     /// On the globe.
     Geodetic {
@@ -111,7 +111,11 @@ pub enum Coordinates<F = FieldPath> {
 
 /// An orientation.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(
+    rename_all = "snake_case",
+    deny_unknown_fields,
+    bound(deserialize = "F: DeserializeOwned")
+)]
 pub enum Orientation<F = FieldPath> {
     /// A rotation.
     Quaternion(Quaternion<F>),
@@ -122,7 +126,8 @@ pub enum Orientation<F = FieldPath> {
 }
 
 /// A quaternion: one field that has all of it, or four in the given order.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "Value", bound(deserialize = "F: DeserializeOwned"))]
 pub struct Quaternion<F = FieldPath> {
     /// The fields.
     pub fields: Components<4, F>,
@@ -222,7 +227,7 @@ impl<F> RoleFields<F> {
 
 impl RoleFields {
     /// Reads those of a role from its table in a profile, which has other keys too.
-    pub(super) fn read(kind: Kind, role: toml::Value) -> Result<Self, toml::de::Error> {
+    pub(super) fn read(kind: Kind, role: Value) -> Result<Self, toml::de::Error> {
         /// The key of these has to be found among the others.
         #[derive(Deserialize)]
         struct Position {
@@ -254,45 +259,23 @@ impl<F> Orientation<F> {
     }
 }
 
-impl<'de, F: Deserialize<'de>> Deserialize<'de> for Quaternion<F> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(WithOrWithoutOrder(PhantomData))
-    }
-}
+impl<F: DeserializeOwned> TryFrom<Value> for Quaternion<F> {
+    type Error = toml::de::Error;
 
-/// Not an untagged enum, whose errors would not say which key is wrong.
-struct WithOrWithoutOrder<F>(PhantomData<F>);
-
-impl<'de, F: Deserialize<'de>> Visitor<'de> for WithOrWithoutOrder<F> {
-    type Value = Quaternion<F>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a field or a list of fields, or a table of `fields` and `order`")
-    }
-
-    fn visit_str<E: Error>(self, field: &str) -> Result<Self::Value, E> {
-        Components::deserialize(field.into_deserializer()).map(Quaternion::from)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, fields: A) -> Result<Self::Value, A::Error> {
-        Components::deserialize(SeqAccessDeserializer::new(fields)).map(Quaternion::from)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<Self::Value, A::Error> {
+    fn try_from(text: Value) -> Result<Self, Self::Error> {
         #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
+        #[serde(deny_unknown_fields, bound(deserialize = "F: DeserializeOwned"))]
         struct Ordered<F> {
             fields: Components<4, F>,
             order: QuaternionOrder,
         }
-        let Ordered { fields, order } = Ordered::deserialize(MapAccessDeserializer::new(table))?;
-        Ok(Quaternion { fields, order })
-    }
-}
-
-impl<F> From<Components<4, F>> for Quaternion<F> {
-    fn from(fields: Components<4, F>) -> Self {
-        let order = QuaternionOrder::default();
-        Self { fields, order }
+        let Ordered { fields, order } = match text {
+            table @ Value::Table(_) => table.try_into()?,
+            fields => Ordered {
+                fields: fields.try_into()?,
+                order: QuaternionOrder::default(),
+            },
+        };
+        Ok(Self { fields, order })
     }
 }
