@@ -7,11 +7,16 @@ mod support {
     pub mod telemetry;
 }
 
-use std::{collections::BTreeMap, hint::black_box, io, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    hint::black_box,
+    io,
+    path::{Path, PathBuf},
+};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use flightcam::{
-    Options,
+    Options, Output,
     camera::Camera,
     derived::Derived,
     enrich::enrich,
@@ -20,7 +25,6 @@ use flightcam::{
     messages::{Encoding, Format},
     sample::Sample,
     transform::{MaxGap, Transform},
-    unwatched,
     writer::{Appender, LogWriter},
 };
 use support::{
@@ -145,14 +149,12 @@ fn run(criterion: &mut Criterion) {
     for (kind, language) in logs() {
         let (folder, input) = write(kind, language, MOMENTS).finish();
         let output = folder.path().join("result.mcap");
-        let options = Options {
-            telemetry: request(kind.profile()),
-            overwrite: true,
-            ..Options::new(depression())
-        };
+        let options = Options::new()
+            .depression(depression())
+            .telemetry(request(kind.profile()));
         group.bench_function(BenchmarkId::new(kind.name(), language), |bencher| {
             bencher.iter(|| {
-                let report = enrich(&input, &output, &options, &mut unwatched).expect("a result");
+                let report = enrich(&input, replacing(&output), &options).expect("a result");
                 let used: u64 = report
                     .samples
                     .values()
@@ -163,6 +165,14 @@ fn run(criterion: &mut Criterion) {
         });
     }
     group.finish();
+}
+
+/// The output's file, whether it exists or not.
+fn replacing(path: &Path) -> Output<'static> {
+    Output::File {
+        path: path.into(),
+        overwrite: true,
+    }
 }
 
 fn logs() -> impl Iterator<Item = (Kind, Language)> {

@@ -1,10 +1,10 @@
 //! Adds the camera's motion to drone flight logs in MCAP: where it looked, how it moved.
 //!
 //! ```no_run
-//! use flightcam::{Options, enrich, geometry::DepressionAngle, unwatched};
+//! use flightcam::{Options, enrich, geometry::DepressionAngle};
 //!
-//! let options = Options::new(DepressionAngle::from_degrees(30.0)?);
-//! let report = enrich("flight.mcap".as_ref(), "result.mcap".as_ref(), &options, &mut unwatched)?;
+//! let options = Options::new().depression(DepressionAngle::from_degrees(30.0)?);
+//! let report = enrich("flight.mcap", "result.mcap", &options)?;
 //! println!("{} rotations", report.written[0].messages);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -35,7 +35,7 @@
 //! | [`mod@restore`] | an enriched log → the original | log, writer |
 //! | [`mod@inspect`] | what a log has and what would come of it | all but transform and reader |
 //! | [`options`] | what the user decides about a run | camera, source, transform, messages, writer |
-//! | [`progress`] | how far a run is, and ending it early | log |
+//! | [`run`] | what every run has: input, output, somebody who watches it, an end | log, writer |
 //! | [`report`] | what a run found and did | what it reports on |
 //! | [`error`] | what can go wrong, said so that the user knows what to do | |
 //!
@@ -57,12 +57,12 @@ pub mod decode;
 pub mod derived;
 pub mod enrich;
 pub mod error;
+mod fs;
 pub mod geometry;
 pub mod inspect;
 pub mod log;
 pub mod messages;
 pub mod options;
-pub mod progress;
 pub mod reader;
 pub mod report;
 pub mod restore;
@@ -73,16 +73,17 @@ pub mod transform;
 pub mod writer;
 
 #[doc(inline)]
-pub use enrich::{enrich, enrich_in_place, enrich_to};
+pub use enrich::{derive, enrich};
 #[doc(inline)]
 pub use error::Error;
+pub use fs::ReadAt;
 #[doc(inline)]
 pub use inspect::inspect;
 #[doc(inline)]
 pub use options::Options;
 #[doc(inline)]
-pub use progress::{Progress, Watch, unwatched};
-#[doc(inline)]
 pub use report::Report;
 #[doc(inline)]
-pub use restore::{restore, restore_to};
+pub use restore::restore;
+#[doc(inline)]
+pub use run::{Input, Output, Progress, Watch};

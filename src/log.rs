@@ -8,7 +8,6 @@ pub mod contents;
 pub mod file;
 pub(crate) mod index;
 pub mod journal;
-pub mod locked;
 pub(crate) mod prefix;
 pub mod record;
 pub mod stream;
@@ -30,11 +29,11 @@ use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, op};
 
 use contents::Contents;
 use file::LogFile;
-use locked::Access;
 use record::{Records, parse};
 use scan::{Bodies, Collector, Step, Walker};
 use summary::{DATA_END_LENGTH, Ending};
 
+pub use crate::fs::Access;
 pub use error::{ChunkFault, Damage, ForeignFormat, JournalError, ReadError, RecordKind};
 pub use segment::SegmentReader;
 

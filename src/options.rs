@@ -1,9 +1,13 @@
-//! What the user decides about a run.
+//! What the caller decides about a run.
+
+use std::ops::ControlFlow;
 
 use crate::{
     camera::{Camera, CameraError, Mount},
     geometry::DepressionAngle,
+    log::journal::Step,
     messages::EncodingChoice,
+    run::{Progress, Watch},
     sample::Kind,
     source::{Source, request::Request},
     transform::MaxGap,
@@ -12,41 +16,99 @@ use crate::{
 
 /// How to enrich a log.
 ///
-/// By default the camera follows the gimbal whose angles the log has, and all else is found out.
+/// By default the camera follows the gimbal whose angles the log has, and everything else is found out.
+///
+/// ```
+/// use flightcam::{Options, geometry::DepressionAngle, writer::Layout};
+///
+/// let options = Options::new()
+///     .depression(DepressionAngle::from_degrees(30.0)?)
+///     .layout(Layout::Interleaved);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// How far below the horizon the camera looks, on a gimbal that cancels the drone's roll and pitch. It wins
-    /// over the angles of a gimbal that the log has.
-    pub depression: Option<DepressionAngle>,
-    /// How the camera is turned from the drone's axes: all of it for a camera bolted to the airframe; together
-    /// with a depression angle the yaw alone, for a gimballed camera that looks sideways.
-    pub mount: Option<Mount>,
-    /// The longest time between two attitude samples that still belong together.
-    pub max_gap: MaxGap,
-    /// How the log's telemetry is found.
-    pub telemetry: Request,
-    /// In which language the new messages are written.
-    pub encoding: EncodingChoice,
-    /// Where the new messages lie.
-    pub layout: Layout,
-    /// Whether an output that exists is replaced.
-    pub overwrite: bool,
+    pub(crate) depression: Option<DepressionAngle>,
+    pub(crate) mount: Option<Mount>,
+    pub(crate) max_gap: MaxGap,
+    pub(crate) telemetry: Request,
+    pub(crate) encoding: EncodingChoice,
+    pub(crate) layout: Layout,
+    pub(crate) watch: Watch,
 }
 
 impl Options {
-    /// For a camera that looks so far below the horizon, with everything else left to the defaults.
-    pub fn new(depression: DepressionAngle) -> Self {
+    /// The defaults.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// How far below the horizon the camera looks, on a gimbal that cancels the drone's roll and pitch. It takes
+    /// precedence over the angles of a gimbal that the log has.
+    pub fn depression(self, depression: impl Into<Option<DepressionAngle>>) -> Self {
         Self {
-            depression: Some(depression),
-            ..Self::default()
+            depression: depression.into(),
+            ..self
         }
     }
 
-    /// How the camera hangs, given what the log tells.
+    /// How the camera is turned from the drone's axes: all of it for a camera that is bolted to the airframe;
+    /// together with a depression angle the yaw alone, for a gimballed camera that looks sideways.
+    pub fn mount(self, mount: impl Into<Option<Mount>>) -> Self {
+        Self {
+            mount: mount.into(),
+            ..self
+        }
+    }
+
+    /// The longest time between two attitude samples that still belong together; 5 s by default.
+    pub fn max_gap(self, max_gap: MaxGap) -> Self {
+        Self { max_gap, ..self }
+    }
+
+    /// How the log's telemetry is found; by default by the built-in profile that fits best.
+    pub fn telemetry(self, telemetry: Request) -> Self {
+        Self { telemetry, ..self }
+    }
+
+    /// How the new messages are encoded; by default as the telemetry is.
+    pub fn encoding(self, encoding: EncodingChoice) -> Self {
+        Self { encoding, ..self }
+    }
+
+    /// Where in the log the new messages are; by default they are appended.
+    pub fn layout(self, layout: Layout) -> Self {
+        Self { layout, ..self }
+    }
+
+    /// Calls `watch` now and then with how far the run is. A run that it breaks ends with an error, and leaves
+    /// everything as it was.
+    ///
+    /// It is called on the run's threads, several of which may do so at the same time.
+    pub fn watch(
+        self,
+        watch: impl Fn(Progress) -> ControlFlow<()> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            watch: Watch::new(watch),
+            ..self
+        }
+    }
+
+    /// See [`Watch::on_step`].
+    #[doc(hidden)]
+    pub fn on_step(self, reached: impl Fn(Step) + Send + Sync + 'static) -> Self {
+        Self {
+            watch: self.watch.on_step(reached),
+            ..self
+        }
+    }
+
+    /// How the camera is mounted, given what the log says.
     ///
     /// # Errors
-    /// Neither the options nor the log tell, or the options contradict each other.
-    pub fn camera(&self, source: &Source) -> Result<Camera, CameraError> {
+    /// Neither the options nor the log say, or the options contradict each other.
+    pub(crate) fn camera(&self, source: &Source) -> Result<Camera, CameraError> {
         match (self.depression, self.mount) {
             (Some(depression), None) => Ok(Camera::Stabilised {
                 depression,

@@ -1,30 +1,27 @@
 //! Undoing: an enriched log → the log that it was made from, byte for byte.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 use serde::Serialize;
 
 use crate::{
-    enrich::conclude,
     error::Error,
-    log::{
-        Log,
-        file::LogFile,
-        locked::{Access, WriteAt},
-    },
-    progress::{Watch, Watcher},
+    fs::WriteAt,
+    log::{Access, Log, file::LogFile},
     report::lossy,
-    run::{Left, RunError},
+    run::{Output, Run, RunError, Stopped, Watch},
     writer::{
-        WriteError,
-        copy::{copy_data, copy_end},
-        destination::Destination,
-        original::Original,
+        WriteError, copy::copy_range, destination::Destination, original::Original,
+        provenance::EarlierRun,
     },
 };
 
 /// What was restored. As JSON it is what scripts read, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct Restored {
     /// The enriched log.
     #[serde(serialize_with = "lossy")]
@@ -35,64 +32,106 @@ pub struct Restored {
     /// Bytes of the original.
     pub bytes: u64,
     /// How the enriched log had been made; absent if a run that was cut short was all there was to undo.
-    pub undone: Option<String>,
+    pub undone: Option<EarlierRun>,
     /// Whether a run that was cut short was undone first.
     pub recovered: bool,
 }
 
-/// Makes an enriched log in its own file what it was before.
+/// Writes what an enriched log was before: to a new file or a stream, or in place.
 ///
 /// # Errors
-/// The log is as it was then. It is not enriched, the original is not to be had from it, or it cannot be written.
-pub fn restore(log: &Path, watch: Watch) -> Result<Restored, Error> {
-    let original = Original::of(Log::read(LogFile::open(log, Access::Change)?)?)?;
+/// The log is not enriched, the original cannot be recovered from it, or the output cannot be written. No new file is
+/// left then, and a log in place is as it was.
+pub fn restore<'a>(
+    log: impl AsRef<Path>,
+    output: impl Into<Output<'a>>,
+    watch: &Watch,
+) -> Result<Restored, Error> {
+    let (log, output) = (log.as_ref(), output.into());
+    let run = Run::new(watch, output.name(log), output.left());
+    run.attend(|| match output {
+        Output::InPlace => in_place(log, &run),
+        Output::File { path, overwrite } => to_new_file(log, &path, overwrite, &run),
+        Output::Handle { name, mut handle } => to_stream(log, &name, &mut handle, &run),
+        Output::Stream { name, mut stream } => to_stream(log, &name, &mut stream, &run),
+    })
+}
+
+fn in_place(log: &Path, run: &Run) -> Result<Restored, Stopped> {
+    let original = open(log, Access::Change)?;
     let restored = describe(&original, log)?;
     if restored.undone.is_some() {
-        let watcher = Watcher::new(watch, log.into(), Left::Unchanged);
-        in_place(&original.log, &watcher)?;
+        replace_end(&original.log, run)?;
     }
     Ok(restored)
 }
 
-/// Writes what an enriched log was before to a new file, `output`.
-///
-/// # Errors
-/// Nothing is left at `output` then. The log is not enriched, the original is not to be had from it, or the output
-/// cannot be written.
-pub fn restore_to(
-    log: &Path,
-    output: &Path,
-    overwrite: bool,
-    watch: Watch,
-) -> Result<Restored, Error> {
-    let destination = Destination::new(log, output, overwrite)?;
-    let original = Original::of(Log::open(log)?)?;
+/// Writes the original's end over that of the enriched log.
+fn replace_end(original: &Log, run: &Run) -> Result<(), Stopped> {
+    let (file, start, length) = (&original.file, original.data_end, original.file.length());
+    let failed = |source| WriteError::io("cannot write the log", file.path(), source);
+    let reached = &|step| run.reached(step);
+    let journal = file.change_from(start, reached)?;
+    run.expect(length);
+    let replace = || {
+        let mut end = WriteAt::new(journal.log(), start).map_err(failed)?;
+        copy_range(file, start..length, &mut end, failed, |done| {
+            run.copied(done)
+        })?;
+        Ok(journal.commit(length, reached)?)
+    };
+    replace().map_err(|stopped| run.roll_back(journal, stopped))
+}
+
+fn to_new_file(log: &Path, output: &Path, overwrite: bool, run: &Run) -> Result<Restored, Stopped> {
+    // Looked at first, because opening a log that has no summary reads all of it.
+    let destination = Destination::new(Some(log), output, overwrite)?;
+    let original = open(log, Access::Read)?;
     let restored = describe(&original, output)?;
-    let original = original.log;
-    let watcher = Watcher::new(watch, output.into(), Left::Nothing);
-    let failed = |source| destination.write_error(source);
-    let metadata = original.file.handle().metadata().map_err(failed)?;
-    let pending = destination.create(Some(metadata.permissions()))?;
-    let mut file = pending.file();
-    let copied = |done| watcher.go_on(done, original.file.length());
-    copy_data(&original, &mut file, failed, copied)
-        .and_then(|()| copy_end(&original, &mut file, failed, copied))
-        .map_err(|error| watcher.explain(error))?;
+    let pending = destination.create(original.log.file.permissions()?)?;
+    write(&original.log, output, &mut pending.file(), run)?;
     pending.commit()?;
     Ok(restored)
 }
 
-fn describe(original: &Original, output: &Path) -> Result<Restored, Error> {
+fn to_stream(
+    log: &Path,
+    name: &Path,
+    output: &mut impl Write,
+    run: &Run,
+) -> Result<Restored, Stopped> {
+    let original = open(log, Access::Read)?;
+    let restored = describe(&original, name)?;
+    write(&original.log, name, output, run)?;
+    Ok(restored)
+}
+
+fn open(log: &Path, access: Access) -> Result<Original, Stopped> {
+    Ok(Original::of(Log::read(LogFile::open(log, access)?)?)?)
+}
+
+/// Writes the whole original.
+fn write(original: &Log, name: &Path, output: &mut impl Write, run: &Run) -> Result<(), Stopped> {
+    let (file, data_end, length) = (&original.file, original.data_end, original.file.length());
+    let failed = |source| WriteError::output(name, source);
+    run.expect(length);
+    // In two parts, because the system can copy the first one by itself.
+    for part in [0..data_end, data_end..length] {
+        copy_range(file, part, output, failed, |done| run.copied(done))?;
+    }
+    Ok(output.flush().map_err(failed)?)
+}
+
+fn describe(original: &Original, output: &Path) -> Result<Restored, RunError> {
     let file = &original.log.file;
     let undone = match &original.undone {
-        Ok(earlier) => Some(earlier.to_string()),
+        Ok(earlier) => Some(earlier.clone()),
         Err(_) if file.was_recovered() => None,
         Err(reason) => {
             return Err(RunError::NotRestorable {
                 path: file.path().into(),
                 reason: *reason,
-            }
-            .into());
+            });
         }
     };
     Ok(Restored {
@@ -102,17 +141,4 @@ fn describe(original: &Original, output: &Path) -> Result<Restored, Error> {
         undone,
         recovered: file.was_recovered(),
     })
-}
-
-fn in_place(original: &Log, watcher: &Watcher) -> Result<(), Error> {
-    let (file, start) = (&original.file, original.data_end);
-    let failed = |source| WriteError::io("cannot write the log", file.path(), source);
-    let mut end = WriteAt::new(file.handle(), start).map_err(failed)?;
-    let mut step = |step| watcher.step(step);
-    let journal = file.change_from(start, &mut step)?;
-    let written = |done| watcher.go_on(done, file.length());
-    let changed = copy_end(original, &mut end, failed, written)
-        .map_err(|error| watcher.explain(error))
-        .and_then(|()| Ok(journal.commit(file.length(), &mut step)?));
-    conclude(journal, file.path(), changed)
 }

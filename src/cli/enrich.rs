@@ -1,12 +1,10 @@
 //! `flightcam enrich`: a log in, the same log with the camera's channels out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum, error::ErrorKind};
 use flightcam::{
-    Error, Options, enrich,
-    enrich::{default_output, enrich_stream, enrich_stream_to_file},
-    enrich_in_place, enrich_to,
+    Error, Input, Options, Output, Report, enrich,
     messages::{Encoding, EncodingChoice},
     transform::MaxGap,
     writer::Layout,
@@ -106,13 +104,6 @@ impl From<EncodingArgument> for EncodingChoice {
     }
 }
 
-/// Where the result goes.
-enum Target {
-    File(PathBuf),
-    InPlace,
-    Stdout,
-}
-
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum LayoutArgument {
     /// Behind the log's data, of which no byte changes
@@ -130,79 +121,99 @@ impl From<LayoutArgument> for Layout {
     }
 }
 
+pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let bar = Bar::new(arguments.quiet || arguments.reads_stdin() || arguments.writes_stdout());
+    let options = arguments.options()?.watch(bar.watch());
+    let report = enrich(arguments.input()?, arguments.output()?, &options);
+    bar.clear();
+    let report = report?;
+    arguments.print(&report);
+    Ok(match report.complete {
+        true => Exit::Done,
+        false => Exit::PartlyUnreadable,
+    })
+}
+
 impl Arguments {
+    fn reads_stdin(&self) -> bool {
+        is_pipe(&self.input)
+    }
+
+    fn writes_stdout(&self) -> bool {
+        self.output.as_deref().is_some_and(is_pipe)
+    }
+
+    fn options(&self) -> Result<Options, Error> {
+        Ok(Options::new()
+            .depression(self.camera.depression)
+            .mount(self.camera.mount)
+            .max_gap(self.max_gap)
+            .telemetry(self.telemetry.request()?)
+            .encoding(self.encoding.into())
+            .layout(self.layout.into()))
+    }
+
+    fn input(&self) -> Result<Input<'static>, Error> {
+        match self.reads_stdin() {
+            true => pipe::stdin(),
+            false => Ok(Input::from(&self.input)),
+        }
+    }
+
     /// Where the result goes. Contradictory arguments end the process here.
-    fn target(&self) -> Target {
+    fn output(&self) -> Result<Output<'static>, Error> {
         let refuse = |problem: &str| wrong_arguments(ErrorKind::ArgumentConflict, problem);
+        let file = |path: &Path| Output::File {
+            path: path.into(),
+            overwrite: self.force,
+        };
         match &self.output {
-            _ if self.in_place && is_pipe(&self.input) => {
+            _ if self.in_place && self.reads_stdin() => {
                 refuse("standard input cannot be changed --in-place")
             }
-            _ if self.in_place => Target::InPlace,
-            None if is_pipe(&self.input) => refuse(
+            _ if self.in_place => Ok(Output::InPlace),
+            None if self.reads_stdin() => refuse(
                 "name the output of a log from standard input with -o; -o - is standard output",
             ),
-            None => Target::File(default_output(&self.input)),
-            Some(output) if !is_pipe(output) => Target::File(output.clone()),
+            None => Ok(file(&beside(&self.input))),
+            Some(output) if !is_pipe(output) => Ok(file(output)),
             Some(_) if pipe::stdout_is_terminal() => refuse(
-                "a log is nothing for a terminal; redirect standard output, or name a file with -o",
+                "refusing to write binary MCAP to a terminal; redirect standard output, or name a file with -o",
             ),
-            Some(_) => Target::Stdout,
+            Some(_) => pipe::stdout(),
+        }
+    }
+
+    fn print(&self, report: &Report) {
+        let text = match (self.json, self.quiet) {
+            (true, _) => {
+                let json = serde_json::to_string_pretty(report);
+                Some(json.expect("a report has only string keys"))
+            }
+            (false, false) => Some(describe(report)),
+            (false, true) => None,
+        };
+        match text {
+            Some(text) if self.writes_stdout() => print_aside(&text),
+            Some(text) => print_result(&text),
+            None => {}
+        }
+        if !report.complete && (self.quiet || self.json) {
+            for note in &report.notes {
+                complain(
+                    "warning",
+                    &format!("{}: {}", self.input.display(), words::note(note)),
+                );
+            }
         }
     }
 }
 
-pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let options = Options {
-        depression: arguments.camera.depression,
-        mount: arguments.camera.mount,
-        max_gap: arguments.max_gap,
-        telemetry: arguments.telemetry.request()?,
-        encoding: arguments.encoding.into(),
-        layout: arguments.layout.into(),
-        overwrite: arguments.force,
-    };
-    let input = &arguments.input;
-    let target = arguments.target();
-    let mut bar = Bar::new(arguments.quiet || is_pipe(input) || matches!(target, Target::Stdout));
-    let watch = &mut |progress| bar.update(progress);
-    let report = match (is_pipe(input), &target) {
-        (false, Target::File(output)) => enrich(input, output, &options, watch),
-        (_, Target::InPlace) => enrich_in_place(input, &options, watch),
-        (false, Target::Stdout) => enrich_to(input, pipe::stdout()?, &options, watch),
-        (true, Target::File(output)) => {
-            enrich_stream_to_file(pipe::stdin()?, output, &options, watch)
-        }
-        (true, Target::Stdout) => enrich_stream(pipe::stdin()?, pipe::stdout()?, &options, watch),
-    };
-    bar.clear();
-    let report = report?;
-
-    let text = match (arguments.json, arguments.quiet) {
-        (true, _) => {
-            let json = serde_json::to_string_pretty(&report);
-            Some(json.expect("a report has only string keys"))
-        }
-        (false, false) => Some(describe(&report)),
-        (false, true) => None,
-    };
-    match (text, target) {
-        (Some(text), Target::Stdout) => print_aside(&text),
-        (Some(text), _) => print_result(&text),
-        (None, _) => {}
-    }
-    if report.complete {
-        return Ok(Exit::Done);
-    }
-    if arguments.quiet || arguments.json {
-        for note in &report.notes {
-            complain(
-                "warning",
-                &format!("{}: {}", input.display(), words::note(note)),
-            );
-        }
-    }
-    Ok(Exit::PartlyUnreadable)
+/// `NAME.enriched.mcap` beside a log.
+fn beside(log: &Path) -> PathBuf {
+    let mut name = log.file_stem().unwrap_or_default().to_owned();
+    name.push(".enriched.mcap");
+    log.with_file_name(name)
 }
 
 fn max_gap(seconds: &str) -> Result<MaxGap, String> {

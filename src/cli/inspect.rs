@@ -45,12 +45,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let options = Options {
-        depression: arguments.camera.depression,
-        mount: arguments.camera.mount,
-        telemetry: arguments.telemetry.request()?,
-        ..Options::default()
-    };
+    let options = Options::new()
+        .depression(arguments.camera.depression)
+        .mount(arguments.camera.mount)
+        .telemetry(arguments.telemetry.request()?);
     let inspection = inspect(&arguments.input, &options)?;
     print_result(&if arguments.json {
         serde_json::to_string_pretty(&inspection).expect("an inspection has only string keys")

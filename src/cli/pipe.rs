@@ -6,10 +6,7 @@ use std::{
     path::Path,
 };
 
-use flightcam::{
-    Error,
-    log::{ReadError, stream::Named},
-};
+use flightcam::{Error, Input, Output, log::ReadError};
 
 /// What stands for them on the command line.
 const NAME: &str = "-";
@@ -19,32 +16,29 @@ pub fn is_pipe(path: &Path) -> bool {
     path.as_os_str() == NAME
 }
 
-/// Whether standard output goes to somebody's eyes.
+/// Whether standard output is shown to somebody.
 pub fn stdout_is_terminal() -> bool {
     io::stdout().is_terminal()
 }
 
 /// Standard output without a buffer, so that the system can copy from a file to it by itself.
-pub fn stdout() -> Result<Named<'static, File>, Error> {
-    named("standard output", duplicate(&io::stdout()))
+pub fn stdout() -> Result<Output<'static>, Error> {
+    let name = "standard output";
+    Ok(Output::handle(name, open(name, duplicate(&io::stdout()))?))
 }
 
 /// Standard input without a buffer.
-pub fn stdin() -> Result<Named<'static, File>, Error> {
-    named("standard input", duplicate(&io::stdin()))
+pub fn stdin() -> Result<Input<'static>, Error> {
+    let name = "standard input";
+    Ok(Input::stream(name, open(name, duplicate(&io::stdin()))?))
 }
 
-fn named(name: &'static str, stream: io::Result<File>) -> Result<Named<'static, File>, Error> {
-    let name = Path::new(name);
-    match stream {
-        Ok(stream) => Ok(Named { name, stream }),
-        Err(source) => Err(ReadError::Io {
-            action: "cannot be opened",
-            path: name.into(),
-            source,
-        }
-        .into()),
-    }
+fn open(name: &str, stream: io::Result<File>) -> Result<File, ReadError> {
+    stream.map_err(|source| ReadError::Io {
+        action: "cannot be opened",
+        path: name.into(),
+        source,
+    })
 }
 
 #[cfg(unix)]

@@ -4,7 +4,7 @@ use std::{
     io::{self, IsTerminal},
     ops::ControlFlow,
     sync::{
-        Arc,
+        Arc, OnceLock,
         atomic::{AtomicBool, Ordering::Relaxed},
     },
     time::{Duration, Instant},
@@ -14,51 +14,63 @@ use flightcam::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::{consts::TERM_SIGNALS, flag};
 
+/// A run that takes no longer shows no progress bar.
+const MOMENT: Duration = Duration::from_millis(400);
+
 /// A progress bar that appears on a terminal when the work takes longer than a moment. It notices when the user
 /// ends the program.
-pub struct Bar {
-    wanted: bool,
+#[derive(Clone)]
+pub struct Bar(Arc<State>);
+
+struct State {
+    is_wanted: bool,
     start: Instant,
-    bar: Option<ProgressBar>,
+    bar: OnceLock<ProgressBar>,
     is_ended: Arc<AtomicBool>,
 }
 
 impl Bar {
-    const MOMENT: Duration = Duration::from_millis(400);
-
     pub fn new(is_quiet: bool) -> Self {
-        Self {
-            wanted: !is_quiet && io::stderr().is_terminal(),
+        Self(Arc::new(State {
+            is_wanted: !is_quiet && io::stderr().is_terminal(),
             start: Instant::now(),
-            bar: None,
+            bar: OnceLock::new(),
             is_ended: catch_signals(),
-        }
+        }))
     }
 
-    pub fn update(&mut self, progress: Progress) -> ControlFlow<()> {
-        if let Progress::Bytes { done, total } = progress {
-            if self.bar.is_none() && self.wanted && self.start.elapsed() > Self::MOMENT {
-                let style =
-                    ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes}, {eta} left");
-                let style = style.expect("the template is well-formed");
-                self.bar = Some(ProgressBar::new(total).with_style(style));
+    /// Shows how far a run is; whether the user wants it to go on.
+    pub fn watch(&self) -> impl Fn(Progress) -> ControlFlow<()> + Send + Sync + use<> {
+        let Self(state) = self.clone();
+        move |progress| {
+            state.show(progress);
+            match state.is_ended.load(Relaxed) {
+                false => ControlFlow::Continue(()),
+                true => ControlFlow::Break(()),
             }
-            if let Some(bar) = &self.bar {
-                bar.set_length(total);
-                bar.set_position(done);
-            }
-        }
-        match self.is_ended.load(Relaxed) {
-            false => ControlFlow::Continue(()),
-            true => ControlFlow::Break(()),
         }
     }
 
     pub fn clear(self) {
-        if let Some(bar) = self.bar {
+        if let Some(bar) = self.0.bar.get() {
             bar.finish_and_clear();
         }
     }
+}
+
+impl State {
+    fn show(&self, progress: Progress) {
+        if self.is_wanted && self.start.elapsed() > MOMENT {
+            let bar = self.bar.get_or_init(new_bar);
+            bar.set_length(progress.total);
+            bar.set_position(progress.done);
+        }
+    }
+}
+
+fn new_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes}, {eta} left");
+    ProgressBar::new(0).with_style(style.expect("the template is well-formed"))
 }
 
 /// Whether the user, or the system, asked the program to end. Asking a second time ends it at once.

@@ -4,8 +4,8 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
 use flightcam::{
-    Error,
-    restore::{Restored, restore, restore_to},
+    Error, Output, Watch,
+    restore::{Restored, restore},
 };
 use indicatif::HumanCount;
 
@@ -38,12 +38,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let mut bar = Bar::new(arguments.quiet);
-    let watch = &mut |progress| bar.update(progress);
-    let restored = match &arguments.output {
-        None => restore(&arguments.log, watch),
-        Some(output) => restore_to(&arguments.log, output, arguments.force, watch),
+    let output = match &arguments.output {
+        None => Output::InPlace,
+        Some(path) => Output::File {
+            path: path.clone(),
+            overwrite: arguments.force,
+        },
     };
+    let bar = Bar::new(arguments.quiet);
+    let restored = restore(&arguments.log, output, &Watch::new(bar.watch()));
     bar.clear();
     let restored = restored?;
     if arguments.json {

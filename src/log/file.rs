@@ -1,29 +1,39 @@
 //! A log's bytes, read by position.
 
 use std::{
-    fs::File,
+    fs::{File, Permissions},
+    io,
+    ops::Range,
     path::{Path, PathBuf},
 };
 
 use super::{
     error::{Damage, JournalError, ReadError},
     journal::{self, Journal, Step},
-    locked::{Access, LockedFile, read_exact_at},
 };
+use crate::fs::{Access, LockedFile, OpenError, ReadAt};
 
-/// An open log file. Reading is by position, so that several readers can share it.
+/// A log's bytes: those of a file, or of anything else that can be read by position. Several readers can share them.
 ///
-/// As long as it is open nobody changes it in place: it holds a shared lock, or the exclusive one of whoever
+/// As long as a file is open nobody changes it in place: it holds a shared lock, or the exclusive one of whoever
 /// is about to change it.
 #[derive(Debug)]
 pub struct LogFile {
     path: PathBuf,
-    file: LockedFile,
-    /// What stands in place of the file's own bytes from some position on.
+    bytes: Bytes,
+    /// What stands in place of the bytes from some position on.
     tail: Option<Tail>,
-    len: u64,
+    length: u64,
     /// Whether a change that was cut short was undone first.
     recovered: bool,
+}
+
+#[derive(Debug)]
+enum Bytes {
+    /// Of a file, which the system can also copy by itself, and which can be changed in place.
+    File(LockedFile),
+    /// Of what can only be read.
+    Other(Box<dyn ReadAt>),
 }
 
 #[derive(Debug)]
@@ -38,26 +48,25 @@ impl LogFile {
     /// # Errors
     /// The file does not exist, is not a regular file, cannot be opened, or is locked by another run.
     pub fn open(path: &Path, access: Access) -> Result<Self, ReadError> {
-        let io = |source| ReadError::io("cannot open the log", path, source);
         // Asked before opening, because opening a pipe waits for somebody to write to it.
-        let metadata = std::fs::metadata(path).map_err(io)?;
+        let metadata = std::fs::metadata(path).map_err(|source| cannot_open(path, source))?;
         if !metadata.is_file() {
             return Err(ReadError::NotAFile { path: path.into() });
         }
         let mut recovered = false;
-        let mut file = LockedFile::open(path, access)?;
+        let mut file = open_locked(path, access)?;
         // Asked when the lock is held, so that a journal is not one of a change that is under way.
         while access == Access::Read && journal::exists(path) {
             drop(file);
             recovered |= recover(path)?;
-            file = LockedFile::open(path, access)?;
+            file = open_locked(path, access)?;
         }
         if access == Access::Change {
             recovered = journal::recover(&file, path)?;
         }
         Ok(Self {
             recovered,
-            ..Self::of(path, file)?
+            ..Self::of(path, Bytes::File(file))?
         })
     }
 
@@ -66,27 +75,33 @@ impl LogFile {
     /// # Errors
     /// It cannot be said how long it is.
     pub fn from_file(path: &Path, file: File) -> Result<Self, ReadError> {
-        Self::of(path, file.into())
+        Self::of(path, Bytes::File(file.into()))
     }
 
-    fn of(path: &Path, file: LockedFile) -> Result<Self, ReadError> {
-        let metadata = file.metadata();
-        let metadata =
-            metadata.map_err(|source| ReadError::io("cannot open the log", path, source))?;
+    /// Bytes that are in no file, and what errors call them.
+    ///
+    /// # Errors
+    /// It cannot be said how many there are.
+    pub fn from_bytes(name: &Path, bytes: Box<dyn ReadAt>) -> Result<Self, ReadError> {
+        Self::of(name, Bytes::Other(bytes))
+    }
+
+    fn of(path: &Path, bytes: Bytes) -> Result<Self, ReadError> {
+        let length = bytes.as_read_at().length();
         Ok(Self {
             path: path.into(),
-            len: metadata.len(),
-            file,
+            length: length.map_err(|source| cannot_open(path, source))?,
+            bytes,
             tail: None,
             recovered: false,
         })
     }
 
-    /// The same file with the bytes from `start` on replaced by those of `tail`, which is `length` bytes long.
-    /// Nothing is written.
+    /// The same with the bytes from `start` on replaced by those of `tail`, which is `length` bytes long. Nothing is
+    /// written.
     pub fn with_tail(self, start: u64, tail: File, length: u64) -> Self {
         Self {
-            len: start + length,
+            length: start + length,
             tail: Some(Tail { start, file: tail }),
             ..self
         }
@@ -96,28 +111,60 @@ impl LogFile {
     /// opened to be changed.
     ///
     /// # Errors
-    /// The journal cannot be written; nothing is left of it then.
+    /// The journal cannot be written, after which nothing is left of it; or the bytes are not those of a file.
     pub fn change_from(
         &self,
         start: u64,
-        reached: &mut dyn FnMut(Step),
+        reached: &dyn Fn(Step),
     ) -> Result<Journal<'_>, JournalError> {
-        Journal::begin(&self.file, &self.path, start, reached)
+        match &self.bytes {
+            Bytes::File(file) => Journal::begin(file, &self.path, start, reached),
+            Bytes::Other(_) => Err(JournalError::Io {
+                action: "cannot be changed in place",
+                path: self.path.clone(),
+                source: io::ErrorKind::Unsupported.into(),
+            }),
+        }
     }
 
-    /// What the file is called.
+    /// What it is called.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The handle itself, for copying from and, with [`Access::Change`], writing to.
-    pub fn handle(&self) -> &File {
-        &self.file
+    /// The file itself, if the bytes are in one: without what stands in place of its end.
+    pub fn as_file(&self) -> Option<&File> {
+        match &self.bytes {
+            Bytes::File(file) => Some(file),
+            Bytes::Other(_) => None,
+        }
     }
 
-    /// Length in bytes when the file was opened.
+    /// The file itself, if it is there that these bytes are.
+    pub(crate) fn file_with(&self, range: &Range<u64>) -> Option<&File> {
+        let tail = self.tail.as_ref();
+        let is_there = tail.is_none_or(|tail| range.end <= tail.start);
+        self.as_file().filter(|_| is_there)
+    }
+
+    /// Who may do what with the file, if the bytes are in one.
+    ///
+    /// # Errors
+    /// The system does not say.
+    pub(crate) fn permissions(&self) -> Result<Option<Permissions>, ReadError> {
+        let metadata = self.as_file().map(File::metadata).transpose();
+        let metadata = metadata.map_err(|source| cannot_open(&self.path, source))?;
+        Ok(metadata.map(|metadata| metadata.permissions()))
+    }
+
+    /// The bytes without what stands in place of their end.
+    pub(crate) fn own_bytes(&self) -> &dyn ReadAt {
+        self.bytes.as_read_at()
+    }
+
+    /// How many bytes there were when it was opened.
     pub fn length(&self) -> u64 {
-        self.len
+        self.length
     }
 
     /// Whether an earlier change of the file had been cut short, and was undone when it was opened.
@@ -128,28 +175,31 @@ impl LogFile {
     /// Reads the `length` bytes at `offset` into `buffer`, replacing what it held.
     ///
     /// # Errors
-    /// The range does not lie within the file, or reading fails.
+    /// The range does not lie within the log, or reading fails.
     pub fn read_into(
         &self,
         buffer: &mut Vec<u8>,
         offset: u64,
         length: u64,
     ) -> Result<(), ReadError> {
-        self.read_behind(buffer, 0, offset, length)
+        self.read_after(buffer, 0, offset, length)
     }
 
-    /// Reads the `length` bytes at `offset` into `buffer` behind its first `kept` bytes, replacing the others.
+    /// Reads the `length` bytes at `offset` into `buffer` after its first `kept` bytes, replacing the others.
     ///
     /// # Errors
-    /// The range does not lie within the file, or reading fails.
-    pub fn read_behind(
+    /// The range does not lie within the log, or reading fails.
+    pub fn read_after(
         &self,
         buffer: &mut Vec<u8>,
         kept: usize,
         offset: u64,
         length: u64,
     ) -> Result<(), ReadError> {
-        if offset.checked_add(length).is_none_or(|end| end > self.len) {
+        if offset
+            .checked_add(length)
+            .is_none_or(|end| end > self.length)
+        {
             return Err(self.damaged(offset, Damage::BeyondEnd { length }));
         }
         let too_long = || self.damaged(offset, Damage::OutOfMemory { length });
@@ -160,19 +210,22 @@ impl LogFile {
         buffer.try_reserve_exact(more).map_err(|_| too_long())?;
         // Bytes that are about to be replaced need not be zeroed first.
         buffer.resize(end, 0);
-        let (buffer, start) = (&mut buffer[kept..], offset);
-        let read = match &self.tail {
-            None => read_exact_at(&self.file, buffer, start),
-            Some(tail) => {
-                let before = tail.start.saturating_sub(start).min(length);
-                let (head, rest) = buffer.split_at_mut(before as usize);
-                read_exact_at(&self.file, head, start).and_then(|()| match rest {
-                    [] => Ok(()),
-                    rest => read_exact_at(&tail.file, rest, start + before - tail.start),
-                })
-            }
-        };
+        let read = self.read_exact(&mut buffer[kept..], offset);
         read.map_err(|source| ReadError::io("cannot read", &self.path, source))
+    }
+
+    fn read_exact(&self, buffer: &mut [u8], offset: u64) -> io::Result<()> {
+        let bytes = self.own_bytes();
+        let Some(tail) = &self.tail else {
+            return bytes.read_exact_at(buffer, offset);
+        };
+        let before = tail.start.saturating_sub(offset).min(buffer.len() as u64);
+        let (head, rest) = buffer.split_at_mut(before as usize);
+        bytes.read_exact_at(head, offset)?;
+        match rest {
+            [] => Ok(()),
+            rest => tail.file.read_exact_at(rest, offset + before - tail.start),
+        }
     }
 
     /// As [`read_into`](Self::read_into), into a buffer of its own.
@@ -185,15 +238,39 @@ impl LogFile {
         Ok(buffer)
     }
 
-    /// The error for a place at which the file is not what the format says.
+    /// The error for a place at which the log is not what the format says.
     pub fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError {
         ReadError::damaged(&self.path, offset, damage)
     }
 }
 
+impl Bytes {
+    fn as_read_at(&self) -> &dyn ReadAt {
+        match self {
+            Self::File(file) => &**file,
+            Self::Other(bytes) => &**bytes,
+        }
+    }
+}
+
+fn open_locked(path: &Path, access: Access) -> Result<LockedFile, ReadError> {
+    LockedFile::open(path, access).map_err(|error| match error {
+        OpenError::Io(source) => cannot_open(path, source),
+        OpenError::Locked => ReadError::Locked { path: path.into() },
+        OpenError::NoLocks(source) => ReadError::NoLocks {
+            path: path.into(),
+            source,
+        },
+    })
+}
+
+fn cannot_open(path: &Path, source: io::Error) -> ReadError {
+    ReadError::io("cannot open the log", path, source)
+}
+
 /// Undoes a change that was cut short, if nobody else is doing so. Whether there was one.
 fn recover(path: &Path) -> Result<bool, ReadError> {
-    let file = LockedFile::open(path, Access::Change).map_err(|error| match error {
+    let file = open_locked(path, Access::Change).map_err(|error| match error {
         ReadError::Io { source, .. } => journal::not_recovered(path, source).into(),
         other => other,
     })?;

@@ -20,11 +20,8 @@ use std::{
 
 use binrw::{BinRead, BinWrite, binrw};
 
-use super::{
-    error::JournalError,
-    locked::{WriteAt, grant},
-    prefix::Prefix,
-};
+use super::{error::JournalError, prefix::Prefix};
+use crate::fs::{WriteAt, grant, sync_folder};
 
 /// What a journal is called: the log's name and this.
 const SUFFIX: &str = ".flightcam-journal";
@@ -100,7 +97,7 @@ impl<'a> Journal<'a> {
         log: &'a File,
         log_path: &'a Path,
         start: u64,
-        reached: &mut dyn FnMut(Step),
+        reached: &dyn Fn(Step),
     ) -> Result<Self, JournalError> {
         let path = beside(log_path)?;
         let failed = |source| JournalError::io("cannot save the log's end", &path, source);
@@ -120,11 +117,21 @@ impl<'a> Journal<'a> {
         })
     }
 
+    /// The log's file.
+    pub fn log(&self) -> &File {
+        self.log
+    }
+
+    /// The path of the log.
+    pub fn log_path(&self) -> &Path {
+        self.log_path
+    }
+
     /// Makes the change last: the file is `length` bytes long from now on.
     ///
     /// # Errors
     /// The file cannot be cut or synced, or the journal not removed.
-    pub fn commit(&self, length: u64, reached: &mut dyn FnMut(Step)) -> Result<(), JournalError> {
+    pub fn commit(&self, length: u64, reached: &dyn Fn(Step)) -> Result<(), JournalError> {
         let failed = |source| JournalError::io("cannot write the log", self.log_path, source);
         let file = self.log;
         reached(Step::LogWritten);
@@ -184,7 +191,7 @@ pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, JournalError>
         }
         bring_back(log, &header, journal).map_err(failed)?;
     }
-    remove(&path, &mut |_| {})?;
+    remove(&path, &|_| {})?;
     Ok(true)
 }
 
@@ -193,7 +200,7 @@ fn write(
     log_path: &Path,
     start: u64,
     journal: File,
-    reached: &mut dyn FnMut(Step),
+    reached: &dyn Fn(Step),
 ) -> io::Result<()> {
     reached(Step::JournalCreated);
     let metadata = log.metadata()?;
@@ -273,7 +280,7 @@ fn bring_back(log: &File, header: &Header, journal: File) -> io::Result<()> {
     log.sync_all()
 }
 
-fn remove(journal: &Path, reached: &mut dyn FnMut(Step)) -> Result<(), JournalError> {
+fn remove(journal: &Path, reached: &dyn Fn(Step)) -> Result<(), JournalError> {
     fs::remove_file(journal)
         .map_err(|source| JournalError::io("cannot remove", journal, source))?;
     reached(Step::JournalRemoved);
@@ -294,22 +301,6 @@ pub fn journal_of(log: &Path) -> PathBuf {
     let mut name = OsString::from(log);
     name.push(SUFFIX);
     name.into()
-}
-
-/// Makes a file's name as durable as its content.
-#[cfg(unix)]
-pub fn sync_folder(file: &Path) -> io::Result<()> {
-    let folder = match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    File::open(folder)?.sync_all()
-}
-
-/// Folders cannot be synced here; the file system keeps names in order by itself.
-#[cfg(not(unix))]
-pub fn sync_folder(_file: &Path) -> io::Result<()> {
-    Ok(())
 }
 
 /// Passes on what is written, and computes its checksum.

@@ -107,7 +107,7 @@ fn read(
     for run in runs(entries) {
         let (run_start, place) = (run[0].offset, packed);
         let reach = reach(run).min(length - run_start);
-        file.read_behind(records, place, content.start + run_start, reach)?;
+        file.read_after(records, place, content.start + run_start, reach)?;
         for entry in run {
             let start = place + (entry.offset - run_start) as usize;
             let Some((op::MESSAGE, body)) = split_frame(&records[start..]) else {
@@ -120,7 +120,7 @@ fn read(
             }
             let (needed, kept) = (end - run_start, records.len());
             if let missing @ 1.. = needed.saturating_sub((kept - place) as u64) {
-                file.read_behind(records, kept, content.start + end - missing, missing)?;
+                file.read_after(records, kept, content.start + end - missing, missing)?;
             }
             let stop = place + needed as usize;
             let message = RawMessage::parse(&records[start + FRAME_LENGTH..stop]);

@@ -1,11 +1,11 @@
 //! What a log begins with, recognised without reading all of it.
 
-use std::{fs::File, io};
+use std::io;
 
 use binrw::binrw;
 use sha2::{Digest, Sha256};
 
-use super::locked::read_exact_at;
+use crate::fs::ReadAt;
 
 /// How much is hashed at either end.
 const HASHED: u64 = 64 * 1024;
@@ -25,16 +25,16 @@ pub struct Prefix {
 }
 
 impl Prefix {
-    /// Of the first `length` bytes of a file.
+    /// Of the first `length` bytes.
     ///
     /// # Errors
-    /// The file is shorter, or cannot be read.
-    pub fn of(file: &File, length: u64) -> io::Result<Self> {
+    /// There are fewer, or they cannot be read.
+    pub fn of(bytes: &dyn ReadAt, length: u64) -> io::Result<Self> {
         let hashed = length.min(HASHED);
         let hash = |start: u64| {
-            let mut bytes = vec![0; hashed as usize];
-            read_exact_at(file, &mut bytes, start)?;
-            io::Result::Ok(Sha256::digest(&bytes).into())
+            let mut part = vec![0; hashed as usize];
+            bytes.read_exact_at(&mut part, start)?;
+            io::Result::Ok(Sha256::digest(&part).into())
         };
         Ok(Self {
             length,

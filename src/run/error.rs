@@ -19,6 +19,9 @@ pub enum RunError {
     #[error("{}: cannot be restored: {reason}", path.display())]
     NotRestorable { path: PathBuf, reason: Lost },
 
+    #[error("only a log in a file can be changed in place")]
+    NotAFileInPlace,
+
     #[error("the interleaved layout rewrites the whole log, so it cannot be written in place")]
     InterleavedInPlace,
 

@@ -1,34 +1,20 @@
-//! Copying a log's data.
+//! Taking over a log's bytes as they are.
 
 use std::{
-    io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write},
+    io::{self, Write},
     ops::{ControlFlow, Range},
 };
 
 use super::error::WriteError;
-use crate::log::{Log, file::LogFile};
+use crate::{fs, log::file::LogFile};
 
-/// How much is copied between two looks at whether to go on.
+/// How much the system copies between two looks at whether to go on.
 const STEP: u64 = 16 * 1024 * 1024;
 
 /// What is in memory of a log that the system cannot copy by itself.
-const BUFFER: u64 = 1024 * 1024;
+const PIECE: u64 = 1024 * 1024;
 
-/// Copies a log's bytes up to its data section's end, as [`copy_range`] does.
-///
-/// # Errors
-/// Those of [`copy_range`].
-pub fn copy_data(
-    log: &Log,
-    output: &mut impl Write,
-    failed: impl Fn(io::Error) -> WriteError,
-    copied: impl FnMut(u64) -> ControlFlow<()>,
-) -> Result<(), WriteError> {
-    copy_range(&log.file, 0..log.data_end, output, failed, copied)
-}
-
-/// Copies some of the bytes that a log's file itself has. Between files the system does so without the bytes
-/// passing through this program, and without copying them at all where the file system can share them.
+/// Copies some of a log's bytes, where they are in a file by the system itself.
 ///
 /// # Errors
 /// `copied`, which is called now and then with how far the copy is, breaks it off; or reading or writing fails,
@@ -40,48 +26,21 @@ pub fn copy_range(
     failed: impl Fn(io::Error) -> WriteError,
     mut copied: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<(), WriteError> {
-    let mut input = log.handle();
-    input.seek(SeekFrom::Start(range.start)).map_err(&failed)?;
+    let file = log.file_with(&range);
+    let mut piece = Vec::new();
     let mut done = range.start;
     while done < range.end {
-        let step = STEP.min(range.end - done);
-        let buffer = BUFFER.min(step);
-        let mut step = BufReader::with_capacity(buffer as usize, input.take(step));
-        done += match io::copy(&mut step, output).map_err(&failed)? {
-            0 => {
-                return Err(failed(io::Error::new(
-                    ErrorKind::UnexpectedEof,
-                    "the log has become shorter while it was copied",
-                )));
+        let rest = range.end - done;
+        done += match file {
+            Some(file) => fs::copy(file, done, STEP.min(rest), output).map_err(&failed)?,
+            None => {
+                let length = PIECE.min(rest);
+                log.read_into(&mut piece, done, length)?;
+                output.write_all(&piece).map_err(&failed)?;
+                length
             }
-            copied => copied,
         };
         if copied(done).is_break() {
-            return Err(WriteError::Cancelled);
-        }
-    }
-    Ok(())
-}
-
-/// Copies what a log has from its data section's end on.
-///
-/// # Errors
-/// Those of [`copy_data`], or the log cannot be read.
-pub fn copy_end(
-    log: &Log,
-    output: &mut impl Write,
-    failed: impl Fn(io::Error) -> WriteError,
-    mut copied: impl FnMut(u64) -> ControlFlow<()>,
-) -> Result<(), WriteError> {
-    let length = log.file.length();
-    let mut piece = Vec::new();
-    let mut position = log.data_end;
-    while position < length {
-        let step = BUFFER.min(length - position);
-        log.file.read_into(&mut piece, position, step)?;
-        output.write_all(&piece).map_err(&failed)?;
-        position += step;
-        if copied(position).is_break() {
             return Err(WriteError::Cancelled);
         }
     }

@@ -12,9 +12,9 @@ use std::{
 use tempfile::NamedTempFile;
 
 use super::error::WriteError;
-use crate::log::{
-    journal::{journal_of, sync_folder},
-    locked::grant,
+use crate::{
+    fs::{grant, sync_folder},
+    log::journal::journal_of,
 };
 
 /// What a new file permits before the user's mask takes away from it.
@@ -30,12 +30,12 @@ pub struct Destination {
 }
 
 impl Destination {
-    /// Checks that a result may be written to `path`.
+    /// Checks that a result may be written to `path`. The input is known if it is a file.
     ///
     /// # Errors
     /// Something is there already and may not be overwritten, it is the input itself, its folder does not exist,
     /// or a journal is left there.
-    pub fn new(input: &Path, path: &Path, overwrite: bool) -> Result<Self, WriteError> {
+    pub fn new(input: Option<&Path>, path: &Path, overwrite: bool) -> Result<Self, WriteError> {
         let names_a_folder = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         if path.is_dir() || names_a_folder {
             return Err(WriteError::OutputIsFolder { path: path.into() });
@@ -51,7 +51,7 @@ impl Destination {
             });
         }
         let resolved = fs::canonicalize(path);
-        if let (Ok(input), Ok(output)) = (fs::canonicalize(input), &resolved)
+        if let (Some(Ok(input)), Ok(output)) = (input.map(fs::canonicalize), &resolved)
             && input == *output
         {
             return Err(WriteError::OutputIsInput { path: path.into() });

@@ -51,7 +51,7 @@ pub struct Interleaver<'a, W> {
 }
 
 /// Is called with how many of the log's bytes are written, and says whether to go on.
-pub type OnCopied<'a> = Box<dyn FnMut(u64) -> ControlFlow<()> + Send + 'a>;
+pub type OnCopied<'a> = Box<dyn FnMut(u64) -> ControlFlow<()> + 'a>;
 
 impl<'a, W: Write> Interleaver<'a, W> {
     /// Begins a log in `out`. The new messages will be in the `format`; errors call what is written to `path`.

@@ -95,7 +95,7 @@ impl Original {
 /// What the log has behind its data section, and what identifies the data section, ready to be attached.
 pub(super) fn encode(log: &Log) -> Result<Vec<u8>, ReadError> {
     let data_end = log.data_end;
-    let prefix = Prefix::of(log.file.handle(), data_end)
+    let prefix = Prefix::of(log.file.own_bytes(), data_end)
         .map_err(|source| ReadError::io("cannot read", log.file.path(), source))?;
     let (tail_zstd, tail_sha256) = compress(log, data_end)?;
     let message = OriginalTail {
@@ -154,7 +154,7 @@ fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, ReadError> {
     let is_intact = prefix.length <= index.offset
         && index.offset.checked_add(index.length) == Some(log.data_end)
         && is_all_ours(log, prefix.length)
-        && Prefix::of(log.file.handle(), prefix.length)
+        && Prefix::of(log.file.own_bytes(), prefix.length)
             .map_err(|source| ReadError::io("cannot read", log.file.path(), source))?
             == prefix;
     if !is_intact {

@@ -10,10 +10,9 @@ use std::{
 };
 
 use flightcam::{
-    Options,
+    Options, Output,
     enrich::enrich,
     messages::{Encoding, EncodingChoice},
-    unwatched,
     writer::Layout,
 };
 use mcap::{Compression, records::op};
@@ -82,7 +81,7 @@ fn have_judged(readers: &[Vec<PathBuf>; 2], input: &Path) {
 fn have_result_judged(readers: &[Vec<PathBuf>; 2], input: &Path, options: &Options) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("result.mcap");
-    let report = enrich(input, &output, options, &mut unwatched).expect("the log is enriched");
+    let report = enrich(input, &output, options).expect("the log is enriched");
     let mut expected: BTreeMap<String, u64> = BTreeMap::new();
     for topic in &report.written {
         expected.insert(topic.topic.to_owned(), topic.messages);
@@ -127,7 +126,7 @@ fn have_result_judged(readers: &[Vec<PathBuf>; 2], input: &Path, options: &Optio
             "{} is read by its index",
             input.display()
         );
-        assert!(!loose || options.layout == Layout::Append);
+        assert!(!loose || report.layout == Layout::Append);
         assert_eq!(
             summary["statistics"],
             summary["recount"],
@@ -137,7 +136,7 @@ fn have_result_judged(readers: &[Vec<PathBuf>; 2], input: &Path, options: &Optio
         let names = &summary["attachments"];
         assert_eq!(
             names.to_string().contains("flightcam/original_tail"),
-            options.layout == Layout::Append,
+            report.layout == Layout::Append,
             "{names}"
         );
         assert!(summary["metadata"].to_string().contains("flightcam"));
@@ -253,12 +252,12 @@ fn have_decoded(python: &Path, input: &Path, encoding: Encoding, library: &str) 
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("result.mcap");
     let enriched = |encoding| {
-        let options = Options {
-            encoding: EncodingChoice::Given(encoding),
+        let options = options().encoding(EncodingChoice::Given(encoding));
+        let replaced = Output::File {
+            path: output.clone(),
             overwrite: true,
-            ..options()
         };
-        enrich(input, &output, &options, &mut unwatched).expect("a result");
+        enrich(input, replaced, &options).expect("a result");
         fs::read(&output).expect("the result")
     };
     let protobuf = stream(&enriched(Encoding::Protobuf), false).into_iter();

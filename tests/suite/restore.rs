@@ -3,9 +3,9 @@
 use std::{fs, io::Read as _};
 
 use flightcam::{
-    enrich_in_place,
+    Output, Watch, enrich,
     log::record::{FRAME_LENGTH, serialize},
-    restore, restore_to, unwatched,
+    restore,
 };
 use mcap::{
     Summary,
@@ -27,8 +27,7 @@ fn goes_there_and_back(log: &[u8]) -> Option<()> {
 
     let folder = Folder::with(LOG, log);
     let path = folder.path(LOG);
-    let in_place =
-        |angle| enrich_in_place(&path, &options_at(angle), &mut unwatched).expect("a result");
+    let in_place = |angle| enrich(&path, Output::InPlace, &options_at(angle)).expect("a result");
     let reported = in_place(30.0);
     assert!(
         folder.read_only_one(LOG) == enriched,
@@ -45,7 +44,7 @@ fn goes_there_and_back(log: &[u8]) -> Option<()> {
     );
 
     let copied = folder.path("original.mcap");
-    let restored = restore_to(&path, &copied, false, &mut unwatched).expect("the original");
+    let restored = restore(&path, &copied, &Watch::default()).expect("the original");
     assert_eq!(restored.bytes, log.len() as u64);
     assert!(
         folder.read("original.mcap") == log,
@@ -54,7 +53,7 @@ fn goes_there_and_back(log: &[u8]) -> Option<()> {
     assert!(folder.read(LOG) == other, "the enriched log stays");
     fs::remove_file(copied).expect("removed");
 
-    let restored = restore(&path, &mut unwatched).expect("the original");
+    let restored = restore(&path, Output::InPlace, &Watch::default()).expect("the original");
     assert_eq!(restored.bytes, log.len() as u64);
     assert!(restored.undone.is_some() && !restored.recovered);
     assert!(folder.read_only_one(LOG) == log, "restored in place");
@@ -290,7 +289,7 @@ fn an_attachment_that_is_larger_than_it_says_is_not_uncompressed() {
 #[track_caller]
 fn restores_or_refuses(damaged: &[u8], original: &[u8]) -> bool {
     let folder = Folder::with(LOG, damaged);
-    let restored = restore(&folder.path(LOG), &mut unwatched);
+    let restored = restore(folder.path(LOG), Output::InPlace, &Watch::default());
     let expected = match &restored {
         Ok(_) => original,
         Err(_) => damaged,

@@ -4,7 +4,7 @@
 use std::{collections::BTreeSet, fs};
 
 use flightcam::{
-    log::{Log, file::LogFile, locked::Access},
+    log::{Access, Log, file::LogFile},
     writer::original::Original,
 };
 
@@ -177,7 +177,7 @@ fn journal_length(log: &[u8]) -> usize {
         .expect("its original")
         .log;
     log.file
-        .change_from(log.data_end, &mut |_| {})
+        .change_from(log.data_end, &|_| {})
         .expect("a journal");
     folder.read(JOURNAL).len()
 }
@@ -191,7 +191,7 @@ fn a_log_that_finds_no_room_to_be_brought_back_waits_for_it() {
         let opened = Log::read(file).expect("a log");
         opened
             .file
-            .change_from(opened.data_end, &mut |_| {})
+            .change_from(opened.data_end, &|_| {})
             .expect("a journal");
         folder.add(LOG, &log[..opened.data_end as usize]);
         drop(opened);

@@ -7,7 +7,7 @@ use std::{
 };
 
 use assert_cmd::cargo::cargo_bin;
-use flightcam::log::{Log, file::LogFile, locked::Access};
+use flightcam::log::{Access, Log, file::LogFile};
 
 use crate::support::{folder::*, *};
 
@@ -103,7 +103,7 @@ fn a_log_that_was_brought_back_is_on_the_disk_before_the_journal_is_removed() {
     let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
     let log = Log::read(file).expect("a log");
     log.file
-        .change_from(log.data_end, &mut |_| {})
+        .change_from(log.data_end, &|_| {})
         .expect("a journal");
     drop(log);
     if let Some(calls) = calls(&folder, "inspect flight.mcap --depression 30") {

@@ -1,10 +1,19 @@
 //! A log is changed in its own file: by one run at a time, to its end or not at all, wherever the file lies.
 
-use std::{iter, ops::ControlFlow, path::Path};
+use std::{
+    iter,
+    ops::ControlFlow,
+    path::Path,
+    sync::{
+        Arc,
+        atomic::{AtomicU32, Ordering::Relaxed},
+        mpsc,
+    },
+};
 
 use flightcam::{
-    Error, Progress, Watch, enrich_in_place,
-    log::{file::LogFile, journal::Step, locked::Access},
+    Error, Output, Progress, Watch, enrich,
+    log::{Access, file::LogFile, journal::Step},
     restore,
 };
 
@@ -24,21 +33,27 @@ const LOCKED: &str =
 
 #[test]
 fn nobody_meets_a_change_that_is_under_way() {
-    let folder = Folder::with(LOG, Shape::default().write());
+    let folder = Arc::new(Folder::with(LOG, Shape::default().write()));
     let path = folder.path(LOG);
-    let mut steps = Vec::new();
-    let mut meanwhile = |progress| {
-        if let Progress::Changed(step) = progress {
-            steps.push(step);
+    let (saw, steps) = mpsc::channel();
+    let meanwhile = {
+        let folder = Arc::clone(&folder);
+        move |step| {
+            saw.send(step).expect("they are compared below");
             for command in COMMANDS {
                 folder.refuses(command, 1, LOCKED);
             }
         }
-        ControlFlow::Continue(())
     };
-    enrich_in_place(&path, &options(), &mut meanwhile).expect("a result");
-    enrich_in_place(&path, &options_at(60.0), &mut meanwhile).expect("a result");
-    restore(&path, &mut meanwhile).expect("the original");
+    let enrich_at = |degrees| {
+        let options = options_at(degrees).on_step(meanwhile.clone());
+        enrich(&path, Output::InPlace, &options).expect("a result");
+    };
+    enrich_at(30.0);
+    enrich_at(60.0);
+    let watch = Watch::default().on_step(meanwhile);
+    restore(&path, Output::InPlace, &watch).expect("the original");
+    let steps: Vec<Step> = steps.try_iter().collect();
     assert_eq!(steps, Step::ALL.repeat(3));
     folder.writes(RESULT, COMMANDS[1], 0);
 }
@@ -66,26 +81,31 @@ fn a_log_is_free_as_soon_as_its_run_has_ended() {
     for access in [Access::Read, Access::Change] {
         let file = LogFile::open(&folder.path(LOG), access).expect("it is opened");
         // What another thread's new process has open for a moment.
-        let inherited = file.handle().try_clone().expect("a handle");
+        let inherited = file
+            .as_file()
+            .expect("a file")
+            .try_clone()
+            .expect("a handle");
         drop(file);
         LogFile::open(&folder.path(LOG), Access::Change).expect("it is free");
         drop(inherited);
     }
 }
 
+/// Is told how far a run is.
+type Told = Box<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>;
+
 /// Lets a run on a log end at each moment at which it can, until it comes to its own end.
 #[track_caller]
-fn end_at_every_moment(log: &[u8], run: impl Fn(&Path, Watch) -> Result<(), Error>) -> Vec<u8> {
+fn end_at_every_moment(log: &[u8], run: impl Fn(&Path, Told) -> Result<(), Error>) -> Vec<u8> {
     for moment in iter::successors(Some(0), |moment| Some(2 * moment + 1)) {
         let folder = Folder::with(LOG, log);
-        let mut passed = 0;
-        let result = run(&folder.path(LOG), &mut |progress| {
-            passed += u32::from(matches!(progress, Progress::Bytes { .. }));
-            match passed > moment {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            }
-        });
+        let passed = AtomicU32::new(0);
+        let watch = move |_| match passed.fetch_add(1, Relaxed) >= moment {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let result = run(&folder.path(LOG), Box::new(watch));
         match result {
             Ok(()) => {
                 assert!(moment > 0);
@@ -107,12 +127,14 @@ fn end_at_every_moment(log: &[u8], run: impl Fn(&Path, Watch) -> Result<(), Erro
 fn a_run_that_is_told_to_end_leaves_the_log_as_it_was() {
     for log in [long_log(), with_zeros_at_the_end()] {
         let enriched = end_at_every_moment(&log, |log, watch| {
-            enrich_in_place(log, &options(), watch).map(drop)
+            enrich(log, Output::InPlace, &options().watch(watch)).map(drop)
         });
         let other = end_at_every_moment(&enriched, |log, watch| {
-            enrich_in_place(log, &options_at(60.0), watch).map(drop)
+            enrich(log, Output::InPlace, &options_at(60.0).watch(watch)).map(drop)
         });
-        let original = end_at_every_moment(&other, |log, watch| restore(log, watch).map(drop));
+        let original = end_at_every_moment(&other, |log, watch| {
+            restore(log, Output::InPlace, &Watch::new(watch)).map(drop)
+        });
         assert!(original == log);
     }
 }
@@ -233,21 +255,27 @@ mod on_unix {
     fn a_link_stays_a_link_and_leads_to_the_result() {
         let log = Shape::default().write();
         let (enriched, _) = enrich_bytes(&log).expect("a result");
-        let folder = Folder::with("logs/flight.mcap", &log);
+        let folder = Arc::new(Folder::with("logs/flight.mcap", &log));
         symlink("logs/flight.mcap", folder.path("link.mcap")).expect("a link");
-        let mut journals = Vec::new();
-        enrich_in_place(&folder.path("link.mcap"), &options(), &mut |_| {
-            journals.push(folder.path("logs").join(JOURNAL).exists());
-            folder.refuses(
+        let (saw, journals) = mpsc::channel();
+        let meanwhile = Arc::clone(&folder);
+        let options = options().on_step(move |_| {
+            let journal = meanwhile.path("logs").join(JOURNAL);
+            saw.send(journal.exists()).expect("it is read below");
+            meanwhile.refuses(
                 "restore logs/flight.mcap",
                 1,
                 "logs/flight.mcap: another run",
             );
-            ControlFlow::Continue(())
-        })
+        });
+        enrich(
+            folder.path("link.mcap"),
+            flightcam::Output::InPlace,
+            &options,
+        )
         .expect("a result");
         assert!(
-            journals.contains(&true),
+            journals.try_iter().any(|exists| exists),
             "the journal lies beside the file itself"
         );
         assert!(folder.read("logs/flight.mcap") == enriched);
@@ -262,7 +290,7 @@ mod on_unix {
         let opened = Log::read(file).expect("a log");
         opened
             .file
-            .change_from(opened.data_end, &mut |_| {})
+            .change_from(opened.data_end, &|_| {})
             .expect("a journal");
         folder.add("logs/flight.mcap", &enriched[..opened.data_end as usize]);
         drop(opened);
@@ -276,13 +304,13 @@ mod on_unix {
     #[test]
     fn all_names_of_a_file_are_those_of_the_result() {
         let log = Shape::default().write();
-        let folder = Folder::with(LOG, &log);
+        let folder = Arc::new(Folder::with(LOG, &log));
         fs::hard_link(folder.path(LOG), folder.path("other.mcap")).expect("another name");
-        enrich_in_place(&folder.path(LOG), &options(), &mut |_| {
-            folder.refuses("restore other.mcap", 1, "other.mcap: another run");
-            ControlFlow::Continue(())
-        })
-        .expect("a result");
+        let meanwhile = Arc::clone(&folder);
+        let options = options().on_step(move |_| {
+            meanwhile.refuses("restore other.mcap", 1, "other.mcap: another run");
+        });
+        enrich(folder.path(LOG), flightcam::Output::InPlace, &options).expect("a result");
         let inode = |name| fs::metadata(folder.path(name)).expect("a file").ino();
         assert_eq!(inode(LOG), inode("other.mcap"));
         folder.run("restore other.mcap", 0);

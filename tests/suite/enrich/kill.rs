@@ -11,13 +11,14 @@ use std::{
     os::unix::{fs::FileExt, process::ExitStatusExt},
     path::Path,
     process::{Command, ExitStatus, Stdio},
+    sync::atomic::{AtomicU64, Ordering::Relaxed},
     thread,
     time::Instant,
 };
 
 use assert_cmd::cargo::cargo_bin;
 use flightcam::{
-    Progress, enrich_in_place,
+    Output, Watch, enrich,
     log::{Log, journal::Step},
     restore,
 };
@@ -120,25 +121,31 @@ fn the_child() {
     if moment == "Overwritten" {
         die_when_overwritten(log, number);
     }
-    let mut told = 0;
-    let mut watch = |progress| {
-        let is_now = match progress {
-            Progress::Changed(step) => moment == "At" && step == Step::ALL[number as usize],
-            Progress::Bytes { .. } => {
-                told += 1;
-                moment == "Told" && told == number
-            }
-        };
-        if is_now {
+    let (is_told, is_at) = (moment == "Told", moment == "At");
+    let told = AtomicU64::new(0);
+    let watch = move |_| {
+        if is_told && told.fetch_add(1, Relaxed) + 1 == number {
             die();
         }
         ControlFlow::Continue(())
     };
+    let reached = move |step| {
+        if is_at && step == Step::ALL[number as usize] {
+            die();
+        }
+    };
+    let enrich_at = |degrees, watch| {
+        let options = options_at(degrees).watch(watch).on_step(reached);
+        drop(enrich(log, Output::InPlace, &options).expect("a result"));
+    };
     match change {
         "Recover" => drop(Log::open(log).expect("a log")),
-        "Restore" => drop(restore(log, &mut watch).expect("the original")),
-        "Replace" => drop(enrich_in_place(log, &options_at(60.0), &mut watch).expect("a result")),
-        _ => drop(enrich_in_place(log, &options_at(30.0), &mut watch).expect("a result")),
+        "Restore" => {
+            let watch = Watch::new(watch).on_step(reached);
+            drop(restore(log, Output::InPlace, &watch).expect("the original"));
+        }
+        "Replace" => enrich_at(60.0, watch),
+        _ => enrich_at(30.0, watch),
     }
 }
 

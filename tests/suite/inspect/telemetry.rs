@@ -14,13 +14,12 @@ use flightcam::{
     sample::Kind,
     source::{
         profile::{Profile, ProfileChoice},
-        request::RoleArgument,
+        request::{Request, RoleArgument},
     },
 };
 use serde_json::{Value, json};
 
 use crate::support::{
-    self,
     flights::{self, Recording},
     folder::assert_reads,
     inspection::*,
@@ -32,11 +31,11 @@ use crate::support::{
 fn options_for(recording: &Recording) -> Options {
     let text = Profile::built_in_text(recording.profile).expect("built in");
     let profile = Profile::parse(text).expect("a profile");
-    let mut options = Options::default();
+    let mut request = Request::default();
     if !profile.automatic {
-        options.telemetry.profile = ProfileChoice::Given(Box::new(profile));
+        request.profile = ProfileChoice::Given(Box::new(profile));
     }
-    options
+    Options::new().telemetry(request)
 }
 
 #[test]
@@ -147,10 +146,7 @@ fn what_would_be_written_is_in_the_encoding_that_enrich_chooses() {
             .into_iter()
             .chain([(EncodingChoice::Automatic, automatic)])
         {
-            let options = Options {
-                encoding: choice,
-                ..options()
-            };
+            let options = options().encoding(choice);
             let inspection = inspected_with(&log, &options).expect("a log");
             let (_, encoding, schema) = encodings[expected as usize];
             let Planned {
@@ -173,11 +169,9 @@ fn the_camera_is_as_told_or_follows_the_gimbal_or_is_not_known() {
     let [with_gimbal, without] =
         ["px4-ros2", "flat"].map(|profile| flights::recording_for(profile).log());
     let camera = |log: &[u8], depression: Option<f64>, mount: Option<[f64; 3]>| {
-        let options = Options {
-            depression: depression.map(|angle| DepressionAngle::from_degrees(angle).unwrap()),
-            mount: mount.map(|[roll, pitch, yaw]| Mount::from_degrees(roll, pitch, yaw).unwrap()),
-            ..Options::default()
-        };
+        let options = Options::new()
+            .depression(depression.map(|angle| DepressionAngle::from_degrees(angle).unwrap()))
+            .mount(mount.map(|[roll, pitch, yaw]| Mount::from_degrees(roll, pitch, yaw).unwrap()));
         inspected_with(log, &options).map(|inspection| telemetry(&inspection).camera)
     };
     let stabilised = |depression_deg, yaw_offset_deg| {
@@ -254,13 +248,14 @@ fn what_could_not_be_written_is_told_as_enrich_would() {
 fn a_gimbal_that_has_no_usable_angle_is_one_that_no_camera_can_follow() {
     let gimbal = topic("/gimbal", [json!({ "pitch": null })]);
     let log = log(&[topic("/state", states(5, 1.0)), gimbal]);
-    let mut options = Options::default();
+    let mut request = Request::default();
     let pitch = RoleArgument::parse(Kind::Gimbal, "/gimbal.pitch:degrees").expect("a gimbal");
-    options.telemetry.roles.insert(Kind::Gimbal, pitch);
+    request.roles.insert(Kind::Gimbal, pitch);
+    let options = Options::new().telemetry(request);
     let problem = inspected_with(&log, &options).expect("a log").problem;
     let words = "/camera/velocity: it takes a usable gimbal sample, and /gimbal has 0 of 1 usable";
     assert_reads(&problem.expect("nothing to follow").to_string(), words);
-    options.depression = support::options().depression;
+    let options = options.depression(DepressionAngle::from_degrees(30.0).unwrap());
     let inspection = inspected_with(&log, &options).expect("a log");
     assert_eq!(inspection.problem, None);
     assert_eq!(telemetry(&inspection).would_write.len(), 2);

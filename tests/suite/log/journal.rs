@@ -1,10 +1,10 @@
 //! The journal beside a log: whatever a power cut leaves of it or of the log, the log is had back.
 
-use std::{fs, path::PathBuf};
+use std::{fs, path::PathBuf, sync::mpsc};
 
 use flightcam::{
-    enrich_in_place,
-    log::{Log, file::LogFile, locked::Access},
+    Output, enrich,
+    log::{Access, Log, file::LogFile},
 };
 use proptest::prelude::*;
 
@@ -19,7 +19,7 @@ fn cut_short(log: &[u8]) -> (Folder, usize) {
     let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
     let log = Log::read(file).expect("a log");
     log.file
-        .change_from(log.data_end, &mut |_| {})
+        .change_from(log.data_end, &|_| {})
         .expect("a journal");
     (folder, log.data_end as usize)
 }
@@ -217,12 +217,15 @@ fn only_who_may_read_the_log_may_read_the_journal() {
     let mode = |path: &PathBuf| fs::metadata(path).expect("a file").permissions().mode() & 0o777;
     for wanted in [0o600, 0o640, 0o666] {
         fs::set_permissions(&log, fs::Permissions::from_mode(wanted)).expect("set");
-        let mut found = Vec::new();
-        enrich_in_place(&log, &options(), &mut |_| {
-            found.extend(journal.exists().then(|| mode(&journal)));
-            std::ops::ControlFlow::Continue(())
-        })
-        .expect("a result");
+        let (saw, found) = mpsc::channel();
+        let journal = journal.clone();
+        let options = options().on_step(move |_| {
+            if journal.exists() {
+                saw.send(mode(&journal)).expect("it is read below");
+            }
+        });
+        enrich(&log, Output::InPlace, &options).expect("a result");
+        let found: Vec<u32> = found.try_iter().collect();
         assert_eq!(mode(&log), wanted);
         // But not yet when it has just been created, and is empty.
         assert!(found.len() > 2 && found[1..].iter().all(|&found| found == wanted));

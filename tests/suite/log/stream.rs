@@ -225,7 +225,10 @@ fn attachment(length: usize) -> Vec<u8> {
 /// The room that the parts of a log take that are kept, on systems that tell.
 #[cfg(unix)]
 fn room(log: &Log) -> usize {
-    let metadata = log.file.handle().metadata().expect("metadata");
+    let metadata = (log.file.as_file())
+        .expect("a file")
+        .metadata()
+        .expect("metadata");
     512 * std::os::unix::fs::MetadataExt::blocks(&metadata) as usize
 }
 

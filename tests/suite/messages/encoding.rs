@@ -13,7 +13,6 @@ use flightcam::{
     messages::{Encoding, EncodingChoice, Format},
     report::Note,
     sample::Stamp,
-    unwatched,
 };
 use mcap::{
     Summary, WriteOptions,
@@ -25,10 +24,7 @@ use prost_reflect::DescriptorPool;
 use crate::support::{message::Said, *};
 
 fn asking_for(encoding: Encoding) -> Options {
-    Options {
-        encoding: EncodingChoice::Given(encoding),
-        ..options()
-    }
+    options().encoding(EncodingChoice::Given(encoding))
 }
 
 fn survey_flight() -> Vec<u8> {
@@ -451,7 +447,7 @@ fn a_result_in_or_from_the_folder_of_a_ros2_bag_says_how_to_list_it() {
         });
         let input = from.join("flight_0.mcap");
         fs::write(&input, flat_log(0)).expect("the log is written");
-        let report = enrich(&input, &to.join("result.mcap"), &options(), &mut unwatched);
+        let report = enrich(&input, to.join("result.mcap"), &options());
         match (&report.expect("a result").notes[..], expected) {
             ([], None) => {}
             ([Note::BagMetadataOutdated { path }], Some(expected)) => {
@@ -468,11 +464,6 @@ fn a_metadata_yaml_that_is_no_text_file_is_left_alone() {
     fs::create_dir(folder.path().join("metadata.yaml")).expect("a folder of that name");
     let input = folder.path().join("log.mcap");
     fs::write(&input, flat_log(0)).expect("the log is written");
-    let report = enrich(
-        &input,
-        &folder.path().join("result.mcap"),
-        &options(),
-        &mut unwatched,
-    );
+    let report = enrich(&input, folder.path().join("result.mcap"), &options());
     assert!(report.expect("a result").notes.is_empty());
 }

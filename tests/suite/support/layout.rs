@@ -13,10 +13,7 @@ use super::{
 
 /// The interleaved layout, all else by default.
 pub fn interleaved() -> Options {
-    Options {
-        layout: Layout::Interleaved,
-        ..options()
-    }
+    options().layout(Layout::Interleaved)
 }
 
 /// Interleaves a log that lies in memory.

@@ -35,7 +35,6 @@ use flightcam::{
     geometry::DepressionAngle,
     log::record::{Records, push_record, serialize},
     messages::v1::OriginalTail,
-    unwatched,
 };
 use mcap::{
     Attachment, Summary, WriteOptions,
@@ -75,7 +74,7 @@ pub fn options() -> Options {
 
 /// Another angle below the horizon, all else by default.
 pub fn options_at(degrees: f64) -> Options {
-    Options::new(DepressionAngle::from_degrees(degrees).expect("it is in range"))
+    Options::new().depression(DepressionAngle::from_degrees(degrees).expect("it is in range"))
 }
 
 /// Enriches a log that lies in memory; gives the result's bytes and the report.
@@ -88,7 +87,7 @@ pub fn enrich_bytes_with(log: &[u8], options: &Options) -> Result<(Vec<u8>, Repo
     let input = folder.path().join("log.mcap");
     let output = folder.path().join("result.mcap");
     fs::write(&input, log).expect("the log is written");
-    let report = enrich(&input, &output, options, &mut unwatched)?;
+    let report = enrich(&input, &output, options)?;
     Ok((fs::read(output).expect("the result is read"), report))
 }
 

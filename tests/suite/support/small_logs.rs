@@ -10,7 +10,6 @@ use flightcam::{
     reader::Reader,
     sample::{Kind, Sample, Tallies, Tally, Velocity},
     source::Source,
-    unwatched,
 };
 
 use super::{
@@ -39,11 +38,12 @@ impl Logbook {
     pub fn enrich(self, profile: Option<&str>) -> Result<(Vec<Read>, Report), Error> {
         let (folder, input) = self.finish();
         let output = folder.path().join("result.mcap");
-        let mut options = Options::new(DepressionAngle::from_degrees(0.0).expect("0°"));
+        let mut options =
+            Options::new().depression(DepressionAngle::from_degrees(0.0).expect("0°"));
         if let Some(profile) = profile {
-            options.telemetry = request(profile);
+            options = options.telemetry(request(profile));
         }
-        let report = enrich(&input, &output, &options, &mut unwatched)?;
+        let report = enrich(&input, &output, &options)?;
         let result = fs::read(output).expect("the result");
         let derived = stream(&result, false).into_iter();
         Ok((

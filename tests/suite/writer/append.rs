@@ -40,10 +40,12 @@ fn an_output_that_somebody_else_makes_meanwhile_is_not_overwritten() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("result.mcap");
     let fixture = repository("fixtures/survey_flight.mcap");
-    let error = enrich(&fixture, &output, &options(), &mut |_| {
-        std::fs::write(&output, "theirs").expect("written");
+    let theirs = output.clone();
+    let options = options().watch(move |_| {
+        std::fs::write(&theirs, "theirs").expect("written");
         ControlFlow::Continue(())
     });
+    let error = enrich(&fixture, &output, &options);
     assert!(
         matches!(error, Err(Error::Write(WriteError::OutputExists { .. }))),
         "{error:?}"

@@ -9,20 +9,19 @@ use std::{
     mem::discriminant,
     ops::ControlFlow,
     path::Path,
-    sync::mpsc::{self, Receiver},
+    sync::{
+        atomic::{AtomicUsize, Ordering::Relaxed},
+        mpsc::{self, Receiver},
+    },
 };
 
 use flightcam::{
-    Error, Options, Progress, Report, enrich, enrich_in_place, enrich_to,
-    log::{
-        record::{push_record, serialize},
-        stream::Named,
-    },
+    Error, Output, Progress, Report, Watch, enrich,
+    log::record::{push_record, serialize},
     messages::{Encoding, EncodingChoice},
     report::Note,
-    restore, restore_to,
+    restore,
     run::RunError,
-    unwatched,
     writer::{Layout, WriteError, original::Lost},
 };
 use mcap::{
@@ -191,10 +190,7 @@ fn what_follows_from_a_long_chunk_is_written_as_several() {
     });
     parts.data.extend(messages);
     parts.data_section_crc = 0;
-    let options = Options {
-        encoding: EncodingChoice::Given(Encoding::Json),
-        ..interleaved()
-    };
+    let options = interleaved().encoding(EncodingChoice::Given(Encoding::Json));
     let (result, _) = enrich_bytes_with(&parts.join(), &options).expect("a result");
     let chunks = chunks(&result);
     let derived = chunks.iter().filter(|chunk| chunk.is_derived());
@@ -374,11 +370,7 @@ fn a_stream_gets_the_same_bytes_as_a_file() {
         fs::write(&input, &log).expect("the log is written");
         let mut streamed = Vec::new();
         let name = Path::new("stream");
-        let output = Named {
-            name,
-            stream: &mut streamed,
-        };
-        let report = enrich_to(&input, output, &interleaved(), &mut unwatched);
+        let report = enrich(&input, Output::stream(name, &mut streamed), &interleaved());
         assert_eq!(report.expect("a report").output, name);
         assert!(streamed == interleave(&log).0);
     }
@@ -392,11 +384,11 @@ fn there_is_no_way_back_and_it_is_said() {
     let output = folder.path().join("output.mcap");
     fs::write(&log, &result).expect("the log is written");
     let refusals = [
-        restore(&log, &mut unwatched).map(drop),
-        restore_to(&log, &output, false, &mut unwatched).map(drop),
-        enrich(&log, &output, &options(), &mut unwatched).map(drop),
-        enrich(&log, &output, &interleaved(), &mut unwatched).map(drop),
-        enrich_in_place(&log, &options(), &mut unwatched).map(drop),
+        restore(&log, Output::InPlace, &Watch::default()).map(drop),
+        restore(&log, &output, &Watch::default()).map(drop),
+        enrich(&log, &output, &options()).map(drop),
+        enrich(&log, &output, &interleaved()).map(drop),
+        enrich(&log, Output::InPlace, &options()).map(drop),
     ];
     for refused in refusals {
         let error = refused.expect_err("it is refused");
@@ -423,7 +415,7 @@ fn it_is_not_done_in_place() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = folder.path().join("log.mcap");
     fs::write(&log, &before).expect("the log is written");
-    let error = enrich_in_place(&log, &interleaved(), &mut unwatched).expect_err("it is refused");
+    let error = enrich(&log, Output::InPlace, &interleaved()).expect_err("it is refused");
     let refused = matches!(error, Error::Run(RunError::InterleavedInPlace));
     assert!(refused, "{error}");
     assert!(fs::read(&log).expect("the log") == before);
@@ -457,14 +449,11 @@ fn whoever_watches_is_asked_while_the_output_stalls() {
     let mut output = Stalled { told, bytes };
     let input = repository("fixtures/survey_flight.mcap");
     let name = Path::new("stream");
-    let to_stream = Named {
-        name,
-        stream: &mut output,
-    };
-    let report = enrich_to(&input, to_stream, &interleaved(), &mut |_| {
+    let options = interleaved().watch(move |_| {
         let _ = tell.send(());
         ControlFlow::Continue(())
     });
+    let report = enrich(&input, Output::stream(name, &mut output), &options);
     report.expect("a report");
     let log = fs::read(&input).expect("the fixture");
     assert!(output.bytes == interleave(&log).0);
@@ -477,14 +466,17 @@ fn progress_comes_to_its_end_and_can_be_stopped_anywhere() {
     let output = folder.path().join("result.mcap");
     fs::copy(repository("fixtures/survey_flight.mcap"), &input).expect("the fixture");
     for stop_after in 0.. {
-        let mut seen = Vec::new();
-        let run = enrich(&input, &output, &interleaved(), &mut |progress| {
-            seen.push(progress);
-            match seen.len() > stop_after {
+        let (saw, seen) = mpsc::channel();
+        let count = AtomicUsize::new(0);
+        let options = interleaved().watch(move |progress| {
+            saw.send(progress).expect("they are counted below");
+            match count.fetch_add(1, Relaxed) >= stop_after {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             }
         });
+        let run = enrich(&input, &output, &options);
+        let seen: Vec<Progress> = seen.try_iter().collect();
         let files = fs::read_dir(folder.path()).expect("the folder").count();
         match run {
             Err(Error::Run(RunError::Interrupted { path, .. })) => {
@@ -494,10 +486,7 @@ fn progress_comes_to_its_end_and_can_be_stopped_anywhere() {
             Err(other) => panic!("{other}"),
             Ok(_) => {
                 assert!(stop_after > 3);
-                let is_within = |progress: &Progress| match progress {
-                    Progress::Bytes { done, total } => done <= total,
-                    Progress::Changed(_) => false,
-                };
+                let is_within = |progress: &Progress| progress.done <= progress.total;
                 assert!(seen.iter().all(is_within), "{seen:?}");
                 assert_eq!(files, 2);
                 break;

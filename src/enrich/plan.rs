@@ -1,0 +1,42 @@
+//! What a run is going to do with a log: all that has to be known before its telemetry is read.
+
+use crate::{
+    camera::Camera, error::Error, log::Log, messages::Format, options::Options,
+    report::EncodingReport, sample::Kind, source::Source,
+};
+
+/// What a run is going to do with a log.
+pub struct Plan {
+    /// Where the telemetry is.
+    pub source: Source,
+    /// How the camera is mounted.
+    pub camera: Camera,
+    /// How derived values are written.
+    pub format: Format,
+    /// Why so.
+    pub encoding: EncodingReport,
+}
+
+impl Plan {
+    /// Finds the telemetry of a log, and chooses the camera and the encoding.
+    ///
+    /// # Errors
+    /// There is none, it is ambiguous, or it does not go with the options.
+    pub fn new(log: &Log, options: &Options) -> Result<Self, Error> {
+        let source = Source::select(log, &options.telemetry)?;
+        let camera = options.camera(&source)?;
+        let kinds: &[Kind] = match camera {
+            Camera::Gimbal => &[Kind::Attitude, Kind::Velocity, Kind::Gimbal],
+            Camera::Stabilised { .. } | Camera::Fixed(_) => &[Kind::Attitude, Kind::Velocity],
+        };
+        let source = source.keep(log, &options.telemetry, kinds)?;
+        let attitude = source.attitude_channel(log);
+        let format = Format::choose(options.encoding, attitude);
+        Ok(Self {
+            encoding: EncodingReport::new(options.encoding, format.encoding, attitude),
+            source,
+            camera,
+            format,
+        })
+    }
+}

@@ -1,0 +1,189 @@
+//! Enriching a log that comes through a pipe, in one pass: it is passed on while it comes, and what follows from its
+//! telemetry, which is spooled meanwhile, is appended to it.
+
+use std::{
+    io::{self, Read, Write},
+    ops::ControlFlow,
+    path::Path,
+};
+
+use super::{plan::Plan, target::Target, write};
+use crate::{
+    log::{
+        Log,
+        stream::{Named, pass_through},
+    },
+    options::Options,
+    report::Report,
+    run::{Output, Run, RunError, Stopped},
+    source::stream_filter::StreamFilter,
+    writer::{
+        Layout, WriteError,
+        copy::copy_range,
+        destination::Destination,
+        original::{Lost, Original},
+    },
+};
+
+/// A log that comes through a pipe.
+type Input<'a> = Named<'a, Box<dyn Read + 'a>>;
+
+/// A log that was passed on, up to the end of its data section.
+struct PassedOn {
+    original: Original,
+    /// A log that has its telemetry.
+    telemetry: Log,
+}
+
+/// Passes a log on to where the result goes, and appends the camera's channels to it there. Where nothing can be
+/// appended, a stream gets the log as it is.
+pub fn enrich(
+    input: Input,
+    output: Output,
+    options: &Options,
+    run: &Run,
+) -> Result<Report, Stopped> {
+    if options.layout == Layout::Interleaved {
+        return Err(RunError::InterleavedStream.into());
+    }
+    match output {
+        Output::InPlace => Err(RunError::NotAFileInPlace.into()),
+        Output::File { path, overwrite } => {
+            let pending = Destination::new(None, &path, overwrite)?.create(None)?;
+            let mut file = pending.file();
+            let passed = pass_on(input, &path, &mut file, options, run)?;
+            let report = append(&passed, &path, &mut file, options, run)?;
+            pending.commit()?;
+            Ok(report)
+        }
+        Output::Handle { name, mut handle } => {
+            enrich_onward(input, &name, &mut handle, options, run)
+        }
+        Output::Stream { name, mut stream } => {
+            enrich_onward(input, &name, &mut stream, options, run)
+        }
+    }
+}
+
+/// From stream to stream. What follows in a pipe gets a whole log, if not a whole result.
+fn enrich_onward(
+    input: Input,
+    name: &Path,
+    output: &mut impl Write,
+    options: &Options,
+    run: &Run,
+) -> Result<Report, Stopped> {
+    let passed = pass_on(input, name, &mut *output, options, run)?;
+    let mut output = Noticing {
+        stream: output,
+        is_written_to: false,
+    };
+    let result = append(&passed, name, &mut output, options, run);
+    result.or_else(|stopped| {
+        if output.is_written_to {
+            return Err(stopped);
+        }
+        let failed = |source| WriteError::output(name, source);
+        let Log { file, data_end, .. } = &passed.original.log;
+        let end = *data_end..file.length();
+        copy_range(file, end, output.stream, failed, |_| {
+            ControlFlow::Continue(())
+        })?;
+        output.stream.flush().map_err(failed)?;
+        let cause = Box::new(run.explain(stopped));
+        Err(RunError::PassedOn { cause }.into())
+    })
+}
+
+/// A log that has the telemetry of one that comes through a pipe.
+pub fn telemetry(input: Input, options: &Options, run: &Run) -> Result<Log, Stopped> {
+    let name = input.name;
+    Ok(pass_on(input, name, io::sink(), options, run)?.telemetry)
+}
+
+fn pass_on(
+    input: Input,
+    name: &Path,
+    output: impl Write,
+    options: &Options,
+    run: &Run,
+) -> Result<PassedOn, Stopped> {
+    let mut filter = StreamFilter::new(&options.telemetry);
+    let watched = Named {
+        name: input.name,
+        stream: Watched {
+            stream: input.stream,
+            run,
+            read: 0,
+        },
+    };
+    let output = Named {
+        name,
+        stream: output,
+    };
+    let passed = pass_through(watched, output, |passing| filter.include(passing));
+    // A cancelled run is an error to whoever reads the stream, and only to them.
+    run.go_on()?;
+    let passed = passed?;
+    Ok(PassedOn {
+        original: Original {
+            log: passed.original,
+            undone: Err(Lost::PassedOn),
+        },
+        telemetry: passed.telemetry,
+    })
+}
+
+/// Appends the camera's channels to a log that was passed on.
+fn append(
+    passed: &PassedOn,
+    name: &Path,
+    output: &mut dyn Write,
+    options: &Options,
+    run: &Run,
+) -> Result<Report, Stopped> {
+    let PassedOn {
+        original,
+        telemetry,
+    } = passed;
+    original.check_topics_are_free()?;
+    let plan = Plan::new(telemetry, options)?;
+    let target = Target::after_data(name, output);
+    write(original, telemetry, plan, target, options, run)
+}
+
+/// A stream that ends when the run is cancelled.
+struct Watched<'a, R> {
+    stream: R,
+    run: &'a Run<'a>,
+    read: u64,
+}
+
+impl<R: Read> Read for Watched<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.run.go_on().map_err(io::Error::other)?;
+        let read = self.stream.read(buffer)?;
+        self.read += read as u64;
+        self.run.expect(read as u64);
+        // Whether to go on is asked before the next bytes are waited for.
+        let _ = self.run.copied(self.read);
+        Ok(read)
+    }
+}
+
+/// A stream that notices whether it is written to.
+struct Noticing<'a, W> {
+    stream: &'a mut W,
+    is_written_to: bool,
+}
+
+impl<W: Write> Write for Noticing<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.is_written_to = true;
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
+    }
+}

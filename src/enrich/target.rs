@@ -1,0 +1,246 @@
+//! Where a result goes: from what the caller asks for to a sink.
+
+use std::{
+    fs::File,
+    io::Write,
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+    thread::Scope,
+};
+
+use super::{
+    background::{self, Flusher},
+    log_sink::{Completion, LogSink},
+};
+use crate::{
+    error::Error,
+    fs::WriteAt,
+    log::{Access, Log},
+    messages::Format,
+    run::{Output, Run, RunError, Stopped},
+    writer::{
+        Appender, Interleaver, Layout, LogWriter, WriteError, copy::copy_range,
+        destination::Destination,
+    },
+};
+
+/// Where a result goes, and how it is laid out. It is checked, and not created before there is something to write.
+pub struct Target<'a> {
+    medium: Medium<'a>,
+    layout: Layout,
+}
+
+enum Medium<'a> {
+    NewFile(Destination),
+    InPlace {
+        log: PathBuf,
+    },
+    Handle {
+        name: PathBuf,
+        handle: File,
+    },
+    Stream {
+        name: PathBuf,
+        stream: Box<dyn Write + 'a>,
+    },
+    /// A stream, or a new file, that has got the log's data already.
+    AfterData {
+        name: PathBuf,
+        stream: &'a mut dyn Write,
+    },
+}
+
+impl<'a> Target<'a> {
+    /// Where the result of a log goes, whose path is known if it is in a file.
+    ///
+    /// # Errors
+    /// It cannot go there.
+    pub fn new(log: Option<&Path>, output: Output<'a>, layout: Layout) -> Result<Self, Error> {
+        let medium = match output {
+            Output::File { path, overwrite } => {
+                Medium::NewFile(Destination::new(log, &path, overwrite)?)
+            }
+            Output::InPlace => match (layout, log) {
+                (Layout::Interleaved, _) => return Err(RunError::InterleavedInPlace.into()),
+                (Layout::Append, None) => return Err(RunError::NotAFileInPlace.into()),
+                (Layout::Append, Some(log)) => Medium::InPlace { log: log.into() },
+            },
+            Output::Handle { name, handle } => Medium::Handle { name, handle },
+            Output::Stream { name, stream } => Medium::Stream { name, stream },
+        };
+        Ok(Self { medium, layout })
+    }
+
+    /// What has got the log's data already, and takes what is appended to that.
+    pub fn after_data(name: &Path, stream: &'a mut dyn Write) -> Self {
+        let name = name.into();
+        Self {
+            medium: Medium::AfterData { name, stream },
+            layout: Layout::Append,
+        }
+    }
+
+    /// How the log's file is to be opened.
+    pub fn access(&self) -> Access {
+        match self.medium {
+            Medium::InPlace { .. } => Access::Change,
+            _ => Access::Read,
+        }
+    }
+
+    /// What reports and errors call it.
+    pub fn name(&self) -> &Path {
+        match &self.medium {
+            Medium::NewFile(destination) => destination.path(),
+            Medium::InPlace { log } => log,
+            Medium::Handle { name, .. }
+            | Medium::Stream { name, .. }
+            | Medium::AfterData { name, .. } => name,
+        }
+    }
+
+    /// How many bytes of the log are to be copied there.
+    pub fn bytes_to_copy(&self, log: &Log) -> u64 {
+        match self.medium {
+            Medium::NewFile(_) | Medium::Handle { .. } | Medium::Stream { .. } => log.data_end,
+            Medium::InPlace { .. } | Medium::AfterData { .. } => 0,
+        }
+    }
+
+    /// Creates what takes derived values, and writes them there.
+    ///
+    /// # Errors
+    /// It cannot be created or written to, or the log cannot be read.
+    pub fn begin<'scope>(
+        self,
+        scope: &'scope Scope<'scope, '_>,
+        log: &'scope Log,
+        format: Format,
+        run: &'scope Run<'scope>,
+    ) -> Result<LogSink<'scope>, Stopped>
+    where
+        'a: 'scope,
+    {
+        let Self { medium, layout } = self;
+        let writer = match medium {
+            Medium::NewFile(destination) => {
+                return new_file(scope, log, &destination, layout, format, run);
+            }
+            Medium::InPlace { .. } => return in_place(log, format, run),
+            Medium::Handle { name, handle } => into_stream(log, handle, name, layout, format, run)?,
+            Medium::Stream { name, stream } => into_stream(log, stream, name, layout, format, run)?,
+            Medium::AfterData { name, stream } => append(log, stream, name, format)?,
+        };
+        Ok(LogSink {
+            writer,
+            completion: Completion::Stream,
+            run,
+        })
+    }
+}
+
+type BoxedWriter<'w> = Box<dyn LogWriter + 'w>;
+
+/// Into a new file. In the layout `append` the system copies the log there while its telemetry is read.
+fn new_file<'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    log: &'scope Log,
+    destination: &Destination,
+    layout: Layout,
+    format: Format,
+    run: &'scope Run<'scope>,
+) -> Result<LogSink<'scope>, Stopped> {
+    let path = || destination.path().to_owned();
+    let failed = |source| destination.write_error(source);
+    let pending = destination.create(log.file.permissions()?)?;
+    let file = pending.file();
+    let (flusher, flush) = Flusher::start(scope, file, path(), run).map_err(failed)?;
+    let (writer, copy) = match layout {
+        Layout::Append => {
+            let copy = background::copy(scope, log, file, path(), flusher, run).map_err(failed)?;
+            // Where it writes does not depend on how far the copy is.
+            let out = WriteAt::new(file, log.data_end).map_err(failed)?;
+            (append(log, out, path(), format)?, Some(copy))
+        }
+        Layout::Interleaved => {
+            let out = file.try_clone().map_err(failed)?;
+            let copied = move |done| {
+                flusher.flush();
+                run.copied(done)
+            };
+            (interleave(log, out, path(), format, copied)?, None)
+        }
+    };
+    let completion = Completion::NewFile {
+        pending,
+        copy,
+        flush,
+    };
+    Ok(LogSink {
+        writer,
+        completion,
+        run,
+    })
+}
+
+/// Over the end of the log in its own file, of which a journal is made first.
+fn in_place<'scope>(
+    log: &'scope Log,
+    format: Format,
+    run: &'scope Run<'scope>,
+) -> Result<LogSink<'scope>, Stopped> {
+    let path = log.file.path();
+    let journal = (log.file).change_from(log.data_end, &|step| run.reached(step))?;
+    let out = WriteAt::new(journal.log(), log.data_end);
+    let writer = out
+        .map_err(|source| WriteError::io("cannot write the log", path, source))
+        .and_then(|out| append(log, out, path.into(), format));
+    match writer {
+        Ok(writer) => Ok(LogSink {
+            writer,
+            completion: Completion::InPlace(journal),
+            run,
+        }),
+        Err(error) => Err(run.roll_back(journal, error.into())),
+    }
+}
+
+/// Into a stream, which in the layout `append` gets the log first.
+fn into_stream<'w, W: Write + 'w>(
+    log: &'w Log,
+    mut stream: W,
+    name: PathBuf,
+    layout: Layout,
+    format: Format,
+    run: &'w Run<'w>,
+) -> Result<BoxedWriter<'w>, WriteError> {
+    let copied = |done| run.copied(done);
+    match layout {
+        Layout::Append => {
+            let failed = |source| WriteError::output(&name, source);
+            copy_range(&log.file, 0..log.data_end, &mut stream, failed, copied)?;
+            append(log, stream, name, format)
+        }
+        Layout::Interleaved => interleave(log, stream, name, format, copied),
+    }
+}
+
+fn append<'w>(
+    log: &'w Log,
+    out: impl Write + 'w,
+    path: PathBuf,
+    format: Format,
+) -> Result<BoxedWriter<'w>, WriteError> {
+    Ok(Box::new(Appender::begin(log, out, path, format)?))
+}
+
+fn interleave<'w>(
+    log: &'w Log,
+    out: impl Write + 'w,
+    path: PathBuf,
+    format: Format,
+    copied: impl FnMut(u64) -> ControlFlow<()> + 'w,
+) -> Result<BoxedWriter<'w>, WriteError> {
+    let interleaver = Interleaver::begin(log, out, path, format, Box::new(copied))?;
+    Ok(Box::new(interleaver))
+}

@@ -1,0 +1,232 @@
+//! Files as the standard library alone does not offer them: read and written by position, locked, copied by the
+//! system, and as durable as their names.
+
+use std::{
+    fmt,
+    fs::{File, OpenOptions, Permissions, TryLockError},
+    io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write},
+    ops::Deref,
+    path::Path,
+};
+
+// ---- Reading and writing by position ----
+
+/// Bytes that can be read by their position: those of a file, of an object in a bucket, of memory.
+///
+/// Several threads read at the same time.
+pub trait ReadAt: fmt::Debug + Send + Sync {
+    /// How many bytes there are.
+    ///
+    /// # Errors
+    /// That cannot be found out.
+    fn length(&self) -> io::Result<u64>;
+
+    /// Reads the bytes at `offset` into all of the buffer.
+    ///
+    /// # Errors
+    /// There are not that many, or they cannot be read.
+    fn read_exact_at(&self, buffer: &mut [u8], offset: u64) -> io::Result<()>;
+}
+
+impl ReadAt for File {
+    fn length(&self) -> io::Result<u64> {
+        Ok(self.metadata()?.len())
+    }
+
+    #[cfg(unix)]
+    fn read_exact_at(&self, buffer: &mut [u8], offset: u64) -> io::Result<()> {
+        std::os::unix::fs::FileExt::read_exact_at(self, buffer, offset)
+    }
+
+    #[cfg(windows)]
+    fn read_exact_at(&self, mut buffer: &mut [u8], mut offset: u64) -> io::Result<()> {
+        while !buffer.is_empty() {
+            let read = std::os::windows::fs::FileExt::seek_read(self, buffer, offset)?;
+            if read == 0 {
+                return Err(ErrorKind::UnexpectedEof.into());
+            }
+            buffer = &mut buffer[read..];
+            offset += read as u64;
+        }
+        Ok(())
+    }
+}
+
+impl ReadAt for Vec<u8> {
+    fn length(&self) -> io::Result<u64> {
+        Ok(self.len() as u64)
+    }
+
+    fn read_exact_at(&self, buffer: &mut [u8], offset: u64) -> io::Result<()> {
+        let start = usize::try_from(offset).unwrap_or(usize::MAX);
+        let bytes = self.get(start..).and_then(|rest| rest.get(..buffer.len()));
+        buffer.copy_from_slice(bytes.ok_or(ErrorKind::UnexpectedEof)?);
+        Ok(())
+    }
+}
+
+/// Writes to a file from some position on, whatever else is done with its handle.
+#[derive(Debug)]
+pub struct WriteAt {
+    file: File,
+    position: u64,
+}
+
+impl WriteAt {
+    /// Starts at `position`.
+    ///
+    /// # Errors
+    /// The system has no handle left.
+    pub fn new(file: &File, position: u64) -> io::Result<Self> {
+        Ok(Self {
+            file: file.try_clone()?,
+            position,
+        })
+    }
+}
+
+impl Write for WriteAt {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = write_at(&self.file, bytes, self.position)?;
+        self.position += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(unix)]
+fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
+    std::os::unix::fs::FileExt::write_at(file, bytes, offset)
+}
+
+#[cfg(windows)]
+fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
+    std::os::windows::fs::FileExt::seek_write(file, bytes, offset)
+}
+
+/// Copies the next bytes of a file, `most` at most and at least one, to where `output` is; gives how many.
+///
+/// Between files the system does so without the bytes passing through this program, and without copying them at
+/// all where the file system can share them. It uses the position of the input's handle, so nobody else may.
+///
+/// # Errors
+/// There are no more bytes, or reading or writing fails.
+pub fn copy(mut input: &File, offset: u64, most: u64, output: &mut impl Write) -> io::Result<u64> {
+    /// What is in memory where the system cannot copy by itself.
+    const BUFFER: u64 = 1024 * 1024;
+    input.seek(SeekFrom::Start(offset))?;
+    let mut rest = BufReader::with_capacity(BUFFER.min(most) as usize, input.take(most));
+    match io::copy(&mut rest, output)? {
+        0 => Err(io::Error::new(
+            ErrorKind::UnexpectedEof,
+            "the file has become shorter while it was copied",
+        )),
+        copied => Ok(copied),
+    }
+}
+
+// ---- Locks ----
+
+/// What is going to happen to a file, and so which lock it needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// It is read, as others may do at the same time.
+    Read,
+    /// It is read and changed in place, while nobody else has it open.
+    Change,
+}
+
+/// Why a file is not opened.
+#[derive(Debug)]
+pub enum OpenError {
+    /// It cannot be opened.
+    Io(io::Error),
+    /// Somebody else has locked it.
+    Locked,
+    /// It is to be changed, and cannot be locked.
+    NoLocks(io::Error),
+}
+
+/// A file that is locked for as long as this lives.
+#[derive(Debug)]
+pub struct LockedFile(File);
+
+impl LockedFile {
+    /// Opens and locks a file.
+    ///
+    /// # Errors
+    /// It cannot be opened, or another run has locked it, or, if it is to be changed, it cannot be locked.
+    pub fn open(path: &Path, access: Access) -> Result<Self, OpenError> {
+        let mut options = OpenOptions::new();
+        options.read(true).write(access == Access::Change);
+        let file = options.open(path).map_err(OpenError::Io)?;
+        let locked = match access {
+            Access::Read => file.try_lock_shared(),
+            Access::Change => file.try_lock(),
+        };
+        match (locked, access) {
+            (Err(TryLockError::WouldBlock), _) => Err(OpenError::Locked),
+            (Err(TryLockError::Error(source)), Access::Change) => Err(OpenError::NoLocks(source)),
+            // Where the file system does not support locks, nobody can be changing the file in place.
+            (Err(TryLockError::Error(_)), Access::Read) | (Ok(()), _) => Ok(Self(file)),
+        }
+    }
+}
+
+impl From<File> for LockedFile {
+    /// Of a file that nobody else has, so that it needs no lock.
+    fn from(file: File) -> Self {
+        Self(file)
+    }
+}
+
+impl Deref for LockedFile {
+    type Target = File;
+
+    fn deref(&self) -> &File {
+        &self.0
+    }
+}
+
+impl Drop for LockedFile {
+    /// Closing is not enough: a process that another thread is just starting has the file open too for a moment.
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
+    }
+}
+
+// ---- Names and permissions ----
+
+/// Makes a file's name as durable as its content.
+#[cfg(unix)]
+pub fn sync_folder(file: &Path) -> io::Result<()> {
+    let folder = match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    File::open(folder)?.sync_all()
+}
+
+/// Folders cannot be synced here; the file system keeps names in order by itself.
+#[cfg(not(unix))]
+pub fn sync_folder(_file: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// Lets whoever may read a log read also what is made of it, as far as the user can grant that.
+pub fn grant(file: &File, permissions: Permissions) -> io::Result<()> {
+    match file.set_permissions(permissions) {
+        Err(error) if cannot_be_granted(&error) => Ok(()),
+        granted => granted,
+    }
+}
+
+fn cannot_be_granted(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::PermissionDenied | ErrorKind::Unsupported
+    )
+}

@@ -1,0 +1,70 @@
+//! How far a run is, and ending it early.
+
+use std::{fmt, ops::ControlFlow, sync::Arc};
+
+use crate::log::journal::Step;
+
+/// How far a run is, in bytes: of the telemetry read, and of the log copied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// Done so far.
+    pub done: u64,
+    /// To do in all, so far as that is known.
+    pub total: u64,
+}
+
+/// Whoever watches a run; by default nobody.
+#[derive(Clone, Default)]
+pub struct Watch {
+    progress: Option<Arc<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>>,
+    step: Option<Arc<dyn Fn(Step) + Send + Sync>>,
+}
+
+impl Watch {
+    /// Calls `watch` now and then with how far the run is. A run that it breaks ends with an error, and leaves
+    /// everything as it was.
+    ///
+    /// It is called on the run's threads, several of which may do so at the same time, and at least some twenty times
+    /// a second.
+    pub fn new(watch: impl Fn(Progress) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
+        Self {
+            progress: Some(Arc::new(watch)),
+            step: None,
+        }
+    }
+
+    /// Calls `reached` at each step of a change in place, on the thread that makes the change. For tests of what is
+    /// found when a run ends there.
+    #[doc(hidden)]
+    pub fn on_step(self, reached: impl Fn(Step) + Send + Sync + 'static) -> Self {
+        Self {
+            step: Some(Arc::new(reached)),
+            ..self
+        }
+    }
+
+    pub(super) fn is_anybody(&self) -> bool {
+        self.progress.is_some()
+    }
+
+    pub(super) fn ask(&self, progress: Progress) -> ControlFlow<()> {
+        match &self.progress {
+            Some(watch) => watch(progress),
+            None => ControlFlow::Continue(()),
+        }
+    }
+
+    pub(super) fn reached(&self, step: Step) {
+        if let Some(reached) = &self.step {
+            reached(step);
+        }
+    }
+}
+
+impl fmt::Debug for Watch {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let is_anybody = self.is_anybody();
+        f.debug_tuple("Watch").field(&is_anybody).finish()
+    }
+}
