@@ -14,8 +14,8 @@ use flightcam::{
 pub const EXAMPLES: &str = "\
 Telemetry that no profile knows:
   --attitude, --velocity, --gimbal and --position take message paths as in
-  Foxglove, /topic.field.sub[2], joined by commas; behind them, after colons,
-  stand the unit and the axes. For a log whose names nobody has foreseen:
+  Foxglove, /topic.field.sub[2], joined by commas, and then, after colons, the
+  unit and the axes. For a log with names of its own:
 
     flightcam enrich flight.mcap --depression 30 \\
       --attitude /imu.roll,/imu.pitch,/imu.yaw:degrees \\
@@ -26,7 +26,7 @@ Telemetry that no profile knows:
   --attitude /pose.orientation:flu-enu
       a message with w, x, y, z, in the axes of ROS
   --attitude /att.q:xyzw
-      a list of four numbers, the scalar part last (wxyz, first, if not told)
+      a list of four numbers, the scalar part last (wxyz, first, by default)
   --velocity /gps.vel.n,/gps.vel.e,/gps.vel.d:ned:cm/s
       three numbers; axes ned, enu, body-frd or body-flu; m/s, cm/s or mm/s
   --velocity /twist.linear:body-flu
@@ -40,10 +40,10 @@ Telemetry that no profile knows:
   --position /gps.lat,/gps.lon,/gps.alt:degE7:mm
       latitude, longitude, altitude, or x, y, z with :ned or :enu
 
-  Orientations turn from front, right, down to north, east, down (frd-ned, if
-  not told), or from front, left, up to east, north, up (flu-enu, as in ROS).
+  Orientations turn from front, right, down to north, east, down (frd-ned, the
+  default), or from front, left, up to east, north, up (flu-enu, as in ROS).
   A topic alone, as in --attitude /odom, leaves the fields to the profile.
-  Put quotes around paths with brackets, or the shell takes them for a pattern.";
+  Quote paths with brackets, or the shell takes them for a pattern.";
 
 /// Where the telemetry is
 #[derive(Debug, Args)]

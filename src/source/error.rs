@@ -7,7 +7,6 @@ use serde::{Serialize, Serializer};
 use super::bind::BindError;
 use crate::{
     decode::{error::quote, path::FieldPath},
-    error::Error,
     log::{Log, ReadError},
     sample::Kind,
 };
@@ -198,15 +197,12 @@ pub enum Unfit {
     /// The log does not have what was looked for; another profile may fit.
     #[error(transparent)]
     Misfit(#[from] Misfit),
-    /// The search ends here.
+    /// The log does not have what the user asks for, whatever the profile.
     #[error(transparent)]
-    Error(#[from] Error),
-}
-
-impl From<ReadError> for Unfit {
-    fn from(error: ReadError) -> Self {
-        Self::Error(error.into())
-    }
+    Telemetry(#[from] TelemetryError),
+    /// The log cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
 }
 
 /// The topics of a log that have messages, as its errors list them.

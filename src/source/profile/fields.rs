@@ -36,7 +36,7 @@ pub enum RoleFields<F = FieldPath> {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(bound(deserialize = "F: DeserializeOwned"))]
 pub struct AttitudeFields<F = FieldPath> {
-    /// How the drone is turned: a [`Pitch`] alone does not tell.
+    /// How the drone is turned; not a [`Pitch`] alone.
     pub orientation: Orientation<F>,
     /// Between which frames the orientation turns.
     #[serde(default)]
@@ -230,7 +230,7 @@ impl RoleFields {
     pub(super) fn read(kind: Kind, role: Value) -> Result<Self, toml::de::Error> {
         /// The key of these has to be found among the others.
         #[derive(Deserialize)]
-        struct Position {
+        struct InRole {
             #[serde(flatten)]
             coordinates: Coordinates,
         }
@@ -239,7 +239,7 @@ impl RoleFields {
             Kind::Velocity => Self::Velocity(role.try_into()?),
             Kind::Gimbal => Self::Gimbal(role.try_into()?),
             Kind::Position => {
-                let Position { coordinates } = role.try_into()?;
+                let InRole { coordinates } = role.try_into()?;
                 Self::Position(coordinates)
             }
         })

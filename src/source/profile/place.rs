@@ -48,7 +48,7 @@ impl Place {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition<F = FieldPath, W = String> {
-    /// The field that tells.
+    /// The field.
     pub field: F,
     /// What it must hold.
     #[serde(flatten)]
