@@ -18,7 +18,7 @@ pub enum Error {
 
     /// The log's telemetry is not found.
     #[error(transparent)]
-    Telemetry(#[from] TelemetryError),
+    Telemetry(TelemetryError),
 
     /// There is no such profile, or it is wrong.
     #[error(transparent)]
@@ -41,10 +41,20 @@ pub enum Error {
     Run(#[from] RunError),
 }
 
+// Whichever layer reads the log, that it cannot be read is the same error.
+
+impl From<TelemetryError> for Error {
+    fn from(error: TelemetryError) -> Self {
+        match error {
+            TelemetryError::Read(error) => Self::Read(error),
+            other => Self::Telemetry(other),
+        }
+    }
+}
+
 impl From<WriteError> for Error {
     fn from(error: WriteError) -> Self {
         match error {
-            // Whoever reads the log, that it cannot be read is the same error.
             WriteError::Read(error) => Self::Read(error),
             other => Self::Write(other),
         }

@@ -253,7 +253,7 @@ pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
             problem = problem.or_else(|| found.why_nothing(input));
             telemetry = Some(found);
         }
-        Err(error) => problem = problem.or(Some(error)),
+        Err(error) => problem = problem.or(Some(error.into())),
     }
     if let Some(error) = problem.take_if(|error| error.is_of_reading()) {
         return Err(error);

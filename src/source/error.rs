@@ -76,6 +76,10 @@ pub enum TelemetryError {
         misfit: Box<Misfit>,
         topics: LogTopics,
     },
+
+    /// The log cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
 }
 
 /// A namespace as a request writes it.

@@ -13,7 +13,7 @@ use super::{
     profile::Profile,
     request::Request,
 };
-use crate::{decode::FirstMessages, error::Error, log::Log, sample::Kind};
+use crate::{decode::FirstMessages, log::Log, sample::Kind};
 use finder::Finder;
 pub use fit::Fit;
 use fit::{Specificity, specificity};
@@ -59,7 +59,7 @@ impl Source {
     ///
     /// # Errors
     /// The profile does not fit the log, or none does, or several fit equally well.
-    pub fn select(log: &Log, request: &Request) -> Result<Self, Error> {
+    pub fn select(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
         Self::find(log, request, Thoroughness::UntilFound)
     }
 
@@ -67,11 +67,15 @@ impl Source {
     ///
     /// # Errors
     /// Those of [`select`](Self::select).
-    pub fn compare(log: &Log, request: &Request) -> Result<Self, Error> {
+    pub fn compare(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
         Self::find(log, request, Thoroughness::All)
     }
 
-    fn find(log: &Log, request: &Request, thoroughness: Thoroughness) -> Result<Self, Error> {
+    fn find(
+        log: &Log,
+        request: &Request,
+        thoroughness: Thoroughness,
+    ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
         let finder = Finder::new(log, &examples, request);
         finder.check_request()?;
@@ -80,10 +84,10 @@ impl Source {
         profiles.sort_by_key(|profile| Reverse(specificity(profile)));
         let (candidates, misfits) = try_profiles(&finder, &profiles, thoroughness)?;
         let Some((best, rest)) = choose(candidates) else {
-            return Err(none_fits(log, misfits).into());
+            return Err(none_fits(log, misfits));
         };
         let [Candidate { profile, fit }] = best.as_slice() else {
-            return Err(ambiguity(log, &best).into());
+            return Err(ambiguity(log, &best));
         };
         let runners_up = rest.into_iter().map(|candidate| RunnerUp {
             profile: candidate.profile.name.clone(),
@@ -101,7 +105,12 @@ impl Source {
     ///
     /// # Errors
     /// The log cannot be read.
-    pub fn keep(self, log: &Log, request: &Request, kinds: &[Kind]) -> Result<Self, Error> {
+    pub fn keep(
+        self,
+        log: &Log,
+        request: &Request,
+        kinds: &[Kind],
+    ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
         let finder = Finder::new(log, &examples, request);
         Ok(Self {
@@ -116,7 +125,7 @@ fn try_profiles<'p>(
     finder: &Finder,
     profiles: &'p [Profile],
     thoroughness: Thoroughness,
-) -> Result<(Vec<Candidate<'p>>, Vec<RunnerUp>), Error> {
+) -> Result<(Vec<Candidate<'p>>, Vec<RunnerUp>), TelemetryError> {
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut misfits = Vec::new();
     for profile in profiles {
@@ -134,7 +143,8 @@ fn try_profiles<'p>(
                 profile: profile.name.clone(),
                 attitude: Err(misfit),
             }),
-            Err(Unfit::Error(error)) => return Err(error),
+            Err(Unfit::Telemetry(error)) => return Err(error),
+            Err(Unfit::Read(error)) => return Err(error.into()),
         }
     }
     Ok((candidates, misfits))

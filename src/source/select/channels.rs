@@ -6,7 +6,7 @@ use mcap::records::Channel;
 
 use super::{Finder, Fit};
 use crate::{
-    error::Error,
+    log::ReadError,
     sample::Kind,
     source::{
         Origin,
@@ -24,7 +24,7 @@ impl Finder<'_> {
         profile: &Profile,
         fit: &Fit,
         wanted: &[Kind],
-    ) -> Result<BTreeMap<u16, ChannelReader>, Error> {
+    ) -> Result<BTreeMap<u16, ChannelReader>, TelemetryError> {
         // In the order of kinds, in which the samples of one message belong.
         let roles: BTreeMap<Kind, &Origin> = (fit.roles().into_iter())
             .filter(|(kind, _)| wanted.contains(kind))
@@ -38,7 +38,7 @@ impl Finder<'_> {
                 .map(|(&kind, _)| kind);
             let reader = match self.reader(profile, fit, channel, kinds) {
                 Ok(reader) => reader,
-                Err(error) => return Err(self.does_not_fit(profile, channel, error)?.into()),
+                Err(error) => return Err(self.does_not_fit(profile, channel, error)?),
             };
             channels.insert(channel.id, reader);
         }
@@ -71,7 +71,7 @@ impl Finder<'_> {
         profile: &Profile,
         channel: &Channel,
         error: BindError,
-    ) -> Result<TelemetryError, Error> {
+    ) -> Result<TelemetryError, ReadError> {
         let misfit = TopicMisfit::new(&channel.topic, error.unless_of_reading()?);
         Ok(TelemetryError::ProfileDoesNotFit {
             path: self.log.file.path().into(),

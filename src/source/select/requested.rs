@@ -52,7 +52,7 @@ impl Finder<'_> {
     pub fn as_requested(&self, kind: Kind, unfit: Unfit) -> Unfit {
         match (unfit, self.requested.get(&kind)) {
             (Unfit::Misfit(misfit), Some(RoleArgument::Fields(_))) => {
-                Unfit::Error(self.role_does_not_fit(kind, misfit).into())
+                self.role_does_not_fit(kind, misfit).into()
             }
             (unfit, _) => unfit,
         }
