@@ -29,7 +29,7 @@ Exit codes:
   2  wrong arguments
   3  done, but part of the log could not be read";
 
-/// Adds the camera's motion to drone flight logs in MCAP
+/// Add the camera's motion to drone flight logs in MCAP
 ///
 /// flightcam reads a log, works out from the drone's attitude and velocity where the camera was looking and
 /// how it moved, and adds that to the log as new channels.

@@ -1,11 +1,15 @@
 //! What can go wrong: the errors of all layers.
 
-use crate::{
+pub use crate::{
     camera::CameraError,
-    log::{JournalError, ReadError},
-    run::RunError,
-    source::{error::TelemetryError, profile::ProfileError},
-    writer::WriteError,
+    decode::path::NotAPath,
+    log::{ChunkFault, Damage, ForeignFormat, JournalError, ReadError, RecordKind},
+    run::{Left, RunError},
+    source::{
+        error::{LogTopic, LogTopics, Misfit, TelemetryError, TopicMisfit},
+        profile::{BadRole, NotAProfile, ProfileError, WrongCount},
+    },
+    writer::{IdKind, WriteError, original::Lost},
 };
 
 /// Why a log could not be enriched, inspected or restored. Every message says what is wrong, and where.

@@ -1,15 +1,27 @@
 //! Adds the camera's motion to drone flight logs in MCAP: where it looked, how it moved.
 //!
 //! ```no_run
-//! use flightcam::{Options, enrich, geometry::DepressionAngle};
+//! use flightcam::{DepressionAngle, Options};
 //!
 //! let options = Options::new().depression(DepressionAngle::from_degrees(30.0)?);
-//! let report = enrich("flight.mcap", "result.mcap", &options)?;
+//! let report = flightcam::enrich("flight.mcap", "result.mcap", &options)?;
 //! println!("{} rotations", report.written[0].messages);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The map
+//! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive`] gives the values
+//! without writing them, [`inspect`] says what a log has, and [`restore`] undoes what `enrich` did. [`Options`] say
+//! how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its telemetry.
+//!
+//! What is listed here is the interface. The modules that are not shown are internal: they are public only for
+//! flightcam's own tests and benchmarks, and change without notice.
+//!
+//! # Units and frames
+//!
+//! Angles are radians, except in the command line and in profiles, which name their unit. Velocities are metres per
+//! second over ground, times are nanoseconds of log time. Frames are explained in [`geometry`].
+//!
+//! # The map, for those who change the code
 //!
 //! Data flows one way:
 //!
@@ -20,70 +32,106 @@
 //!
 //! | module | subject | knows |
 //! | --- | --- | --- |
-//! | [`geometry`] | frames and rotations: pure functions | nobody |
-//! | [`sample`] | what flows from reader to transform | nobody |
-//! | [`camera`] | how the camera hangs on the drone | geometry, sample |
-//! | [`derived`] | what flows from transform to writer | geometry, sample |
-//! | [`transform`] | samples → derived values, a state machine without I/O | the four above |
-//! | [`log`] | the MCAP container: what a log holds, where its bytes lie; its file, locked and changed under a journal | nobody |
-//! | [`decode`] | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log |
-//! | [`source`] | how a log says it: profiles, and their fields bound to the log's channels | decode, log, sample, geometry |
-//! | [`reader`] | log + source → samples in time order | log, source, sample |
-//! | [`messages`] | how derived values are written: one file for each message type, with its protobuf, JSON and ROS 2; from `proto/` and `schemas/` | derived |
-//! | [`writer`] | derived values → channels added to a log; the original that an enriched log carries; destinations | log, derived, messages |
-//! | [`mod@enrich`] | the pipeline: reading, deriving and writing at the same time | all of the above |
-//! | [`mod@restore`] | an enriched log → the original | log, writer |
-//! | [`mod@inspect`] | what a log has and what would come of it | all but transform and reader |
-//! | [`options`] | what the user decides about a run | camera, source, transform, messages, writer |
-//! | [`run`] | what every run has: input, output, somebody who watches it, an end | log, writer |
-//! | [`report`] | what a run found and did | what it reports on |
-//! | [`error`] | what can go wrong, said so that the user knows what to do | |
+//! | `geometry` | frames and rotations: pure functions | nobody |
+//! | `sample` | what flows from reader to transform | nobody |
+//! | `camera` | how the camera is mounted on the drone | geometry, sample |
+//! | `derived` | what flows from transform to writer | geometry, sample |
+//! | `transform` | samples → derived values, a state machine without I/O | the four above |
+//! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nobody |
+//! | `log` | the MCAP container: what a log holds and where, its journal, its messages | fs |
+//! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log |
+//! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry |
+//! | `reader` | log + source → samples in time order | log, source, sample |
+//! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | derived |
+//! | `writer` | derived values → channels added to a log; the original that an enriched log carries | fs, log, derived, messages |
+//! | `options` | what the caller decides about a run | camera, source, transform, messages, writer, run |
+//! | `report` | what a run found and did, as data | what it reports on |
+//! | `run` | what every run has: an input, an output, somebody who watches it, an end | fs, log, writer, report |
+//! | `enrich` | the story: input → job (a thread that sends batches) → sink → report | all of the above |
+//! | `restore` | an enriched log → the original | log, writer, run |
+//! | `inspect` | what a log has and what `enrich` would produce | all but transform, reader and enrich |
+//! | `error` | the errors of all layers, joined | their errors |
 //!
-//! Reader and writer never know each other, and only the command line, in the binary, prints.
-//!
-//! Where a change goes: a new autopilot is a file in `profiles/`; a new encoding is a decoder in [`decode`] and,
-//! if it is to be written too, an [`Encoding`](messages::Encoding); a new derived channel is an arm in [`derived`]
-//! and a file in [`messages`], with its definitions in `proto/` and `schemas/`. The compiler leads on from there.
-//!
-//! # Units and frames
-//!
-//! Angles are radians, except in the command line and in profiles, which say so. Velocities are metres per
-//! second over ground, times nanoseconds of log time. Frames are in [`geometry`].
+//! Reader and writer never know each other. Only the command line, in the binary, prints, and only it names options.
+//! CONTRIBUTING.md says where a change goes.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod camera;
-pub mod decode;
-pub mod derived;
-pub mod enrich;
 pub mod error;
-mod fs;
 pub mod geometry;
+
+mod fs;
+
+#[doc(hidden)]
+pub mod camera;
+#[doc(hidden)]
+pub mod decode;
+#[doc(hidden)]
+pub mod derived;
+#[doc(hidden)]
+pub mod enrich;
+#[doc(hidden)]
 pub mod inspect;
+#[doc(hidden)]
 pub mod log;
+#[doc(hidden)]
 pub mod messages;
+#[doc(hidden)]
 pub mod options;
+#[doc(hidden)]
 pub mod reader;
+#[doc(hidden)]
 pub mod report;
+#[doc(hidden)]
 pub mod restore;
+#[doc(hidden)]
 pub mod run;
+#[doc(hidden)]
 pub mod sample;
+#[doc(hidden)]
 pub mod source;
+#[doc(hidden)]
 pub mod transform;
+#[doc(hidden)]
 pub mod writer;
 
-#[doc(inline)]
+/// Profiles: how an autopilot or a logger names its telemetry, and in which conventions it writes it.
+pub mod profile {
+    pub use crate::source::profile::{
+        Alternative, AttitudeFields, Components, Condition, Coordinates, Euler, GimbalFields,
+        OptionalField, Orientation, Pitch, Place, Profile, Quaternion, RoleFields, SampleTime,
+        Test, TimeField, VelocityFields,
+        convention::{
+            AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
+            SpeedUnit, TimeUnit, VelocityFrame,
+        },
+    };
+    pub use crate::{decode::path::FieldPath, sample::GimbalReference};
+}
+
+pub use camera::{Mount, MountOutOfRange};
+pub use derived::{Derived, Quantity, Value};
 pub use enrich::{derive, enrich};
-#[doc(inline)]
 pub use error::Error;
 pub use fs::ReadAt;
-#[doc(inline)]
-pub use inspect::inspect;
-#[doc(inline)]
+pub use geometry::{DepressionAngle, DepressionOutOfRange};
+pub use inspect::{
+    FirstSample, FoundRole, Inspection, Planned, Problem, RoleReport, Telemetry, TopicGroup,
+    inspect,
+};
+pub use messages::{Encoding, EncodingChoice};
 pub use options::Options;
-#[doc(inline)]
-pub use report::Report;
-#[doc(inline)]
-pub use restore::restore;
-#[doc(inline)]
+pub use report::{
+    CameraReport, Chosen, EncodingReport, MissingReason, MissingTopic, Note, ProfileReport, Report,
+    SampleReport, WrittenTopic,
+};
+pub use restore::{Restored, restore};
 pub use run::{Input, Output, Progress, Watch};
+pub use sample::{DropReason, Kind, Stamp, Tallies, Tally};
+pub use source::{
+    Origin, RunnerUp, TooLarge,
+    profile::ProfileChoice,
+    request::{BadArgument, Request, RoleArgument},
+};
+pub use transform::{Breaks, MaxGap, MaxGapOutOfRange, Outcome};
+pub use writer::{Layout, provenance::EarlierRun};

@@ -1,21 +1,21 @@
-//! The options that say how the camera hangs on the drone; `enrich` and `inspect` share them.
+//! The options that say how the camera is mounted; `enrich` and `inspect` share them.
 
 use clap::Args;
 use flightcam::{camera::Mount, geometry::DepressionAngle};
 
 use super::number;
 
-/// How the camera hangs on the drone
+/// How the camera is mounted on the drone
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArguments {
     /// How far the camera looks below the horizon, in degrees: 0 ahead, 30 for a gimbal pitch of -30,
-    /// 90 straight down. Needed where the log has no gimbal angles; where it has, this wins
+    /// 90 straight down. Required if the log has no gimbal angles; if it has, this takes precedence
     #[arg(long, value_name = "DEG", value_parser = depression_angle, allow_negative_numbers = true)]
     pub depression: Option<DepressionAngle>,
 
-    /// How a camera without gimbal is bolted to the airframe, in degrees from the drone's axes: 0,-30,0
-    /// looks ahead and 30 down. With --depression: 0,0,YAW for a gimballed camera that looks YAW to the right
+    /// How a camera without a gimbal is mounted on the airframe, in degrees from the drone's axes: with
+    /// 0,-30,0 it looks ahead and 30 down. With --depression, 0,0,YAW turns a gimballed camera YAW to the right
     #[arg(long, value_name = "ROLL,PITCH,YAW", value_parser = mount, allow_hyphen_values = true)]
     pub mount: Option<Mount>,
 }

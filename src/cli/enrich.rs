@@ -24,15 +24,15 @@ use super::{
 
 const USUAL: &str = "\
 Examples:
-  flightcam enrich flight.mcap                       a gimbal whose angles the log has
+  flightcam enrich flight.mcap                       a gimbal whose angles are in the log
   flightcam enrich flight.mcap --depression 30       a gimbal held 30° below the horizon
   flightcam enrich flight.mcap --mount 0,-30,0       a camera bolted to the airframe";
 
 /// Add /camera/relative_rpy and /camera/velocity to a log
 ///
-/// The result is a new file, or with --in-place the log itself, with every byte of the log's data unchanged and
-/// the new channels behind it. `flightcam restore` undoes it. Of a log that is enriched already the earlier result
-/// is replaced.
+/// The result is a new file or, with --in-place, the log itself. Every byte of the log's data stays as it is, and
+/// the new channels are appended after it. `flightcam restore` undoes this. If the log is already enriched, the
+/// earlier result is replaced.
 #[derive(Debug, Args)]
 #[command(override_usage = "flightcam enrich <INPUT> [--depression <DEG>] [OPTIONS]")]
 #[command(after_help = USUAL, after_long_help = format!("{USUAL}\n\n{EXAMPLES}"))]
@@ -40,12 +40,12 @@ pub struct Arguments {
     /// The flight log, an MCAP file; - reads standard input
     input: PathBuf,
 
-    /// Where the result goes; - writes to standard output [default: NAME.enriched.mcap beside the log]
+    /// Where to write the result; - is standard output [default: NAME.enriched.mcap beside the log]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Change the log's own file. However that ends, nothing is lost: until it is done, what is replaced is kept
-    /// in a journal beside the log, from which the next run of flightcam recovers it
+    /// Change the log's own file. Nothing is lost, however the run ends: until it is done, what is being replaced
+    /// is kept in a journal beside the log, and the next run of flightcam restores it from there
     #[arg(long, conflicts_with_all = ["output", "force"])]
     in_place: bool,
 
@@ -57,7 +57,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "auto")]
     encoding: EncodingArgument,
 
-    /// Where in the log the new messages lie
+    /// Where in the log the new messages go
     #[arg(long, value_enum, default_value = "append")]
     layout: LayoutArgument,
 
@@ -65,7 +65,7 @@ pub struct Arguments {
     #[arg(long)]
     force: bool,
 
-    /// Print no report and no progress, only errors
+    /// Print only errors, no report and no progress
     #[arg(short, long)]
     quiet: bool,
 
@@ -83,7 +83,7 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum EncodingArgument {
-    /// As the telemetry is: ROS 2 for ROS 2, JSON for JSON, else protobuf
+    /// Like the telemetry: ROS 2 for ROS 2, JSON for JSON, otherwise protobuf
     Auto,
     /// flightcam.v1.RelativeRpy and flightcam.v1.CameraVelocity
     Protobuf,
@@ -106,9 +106,10 @@ impl From<EncodingArgument> for EncodingChoice {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum LayoutArgument {
-    /// Behind the log's data, of which no byte changes
+    /// After the log's data, which stays as it is
     Append,
-    /// Behind each chunk what was derived from its time, for readers that use no index. Cannot be undone
+    /// After each chunk, what was derived for the same time, for readers that do not use the index. Cannot be
+    /// undone
     Interleaved,
 }
 
@@ -169,11 +170,11 @@ impl Arguments {
         };
         match &self.output {
             _ if self.in_place && self.reads_stdin() => {
-                refuse("standard input cannot be changed --in-place")
+                refuse("standard input cannot be changed in place")
             }
             _ if self.in_place => Ok(Output::InPlace),
             None if self.reads_stdin() => refuse(
-                "name the output of a log from standard input with -o; -o - is standard output",
+                "a log from standard input needs an output: -o FILE, or -o - for standard output",
             ),
             None => Ok(file(&beside(&self.input))),
             Some(output) if !is_pipe(output) => Ok(file(output)),

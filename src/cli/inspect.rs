@@ -70,7 +70,7 @@ fn describe(inspection: &Inspection) -> String {
     if inspection.scanned {
         line(
             "",
-            "all of it was read, because no summary accounts for everything",
+            "the whole log was read, because it has no complete summary",
         );
     }
     if let Some(telemetry) = &inspection.telemetry {

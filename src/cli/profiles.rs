@@ -1,11 +1,11 @@
-//! `flightcam profiles`: which logs are understood, and profiles as starting points for one's own.
+//! `flightcam profiles`: which logs are understood, and profiles as starting points for your own.
 
 use clap::Args;
 use flightcam::{Error, source::profile::Profile};
 
 use super::{Exit, print_result};
 
-/// List the built-in profiles, or print one as a starting point for one's own
+/// List the built-in profiles, or print one as a starting point for your own
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Example:

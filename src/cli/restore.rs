@@ -11,10 +11,10 @@ use indicatif::HumanCount;
 
 use super::{Exit, print_result, progress::Bar};
 
-/// Give an enriched log back what it was before, byte for byte
+/// Turn an enriched log back into the original, byte for byte
 ///
-/// The log's own file is changed, or with -o a new file is written. A log that another program has rewritten since
-/// is refused. After a run that was cut short, this brings the log back to what it was.
+/// This changes the log's own file or, with -o, writes a new one. It refuses a log that another program has
+/// rewritten since. After an interrupted run, it brings the log back to what it was.
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The enriched log
@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(long, requires = "output")]
     force: bool,
 
-    /// Print no report and no progress, only errors
+    /// Print only errors, no report and no progress
     #[arg(short, long)]
     quiet: bool,
 
@@ -67,7 +67,7 @@ fn describe(restored: &Restored) -> String {
     if restored.recovered {
         line(
             "Undone",
-            "an earlier run that changed the log and was cut short",
+            "an earlier run that was interrupted while it changed the log",
         );
     }
     if let Some(earlier) = &restored.undone {

@@ -34,27 +34,27 @@ Telemetry that no profile knows:
   --gimbal /gimbal.pitch:degrees
       the camera's pitch alone, positive up (with :down, positive down)
   --gimbal /gimbal.q:earth
-      the camera's whole orientation, in any of the forms of an attitude, and
-      what it is measured from: earth (north and horizon), heading (the drone's
-      nose and the horizon) or airframe (the angles of the joints)
+      the camera's full orientation in any of the forms of an attitude, and
+      what it is measured from: earth (north and the horizon), heading (the
+      drone's nose and the horizon) or airframe (joint angles)
   --position /gps.lat,/gps.lon,/gps.alt:degE7:mm
       latitude, longitude, altitude, or x, y, z with :ned or :enu
 
   Orientations turn from front, right, down to north, east, down (frd-ned, the
   default), or from front, left, up to east, north, up (flu-enu, as in ROS).
   A topic alone, as in --attitude /odom, leaves the fields to the profile.
-  Quote paths with brackets, or the shell takes them for a pattern.";
+  Quote paths with brackets, or the shell will take them for a pattern.";
 
 /// Where the telemetry is
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Telemetry")]
 pub struct TelemetryArguments {
     /// How the log names its telemetry: a built-in profile (`flightcam profiles` lists them), or a TOML file of
-    /// one's own [default: what fits best]
+    /// your own [default: the best fit]
     #[arg(long, value_name = "NAME|FILE")]
     profile: Option<String>,
 
-    /// Which vehicle, where a log has several: the prefix of its topics, as in /drone1; / is the one without
+    /// Which vehicle, if the log has several: the prefix of its topics, as in /drone1; / means no prefix
     #[arg(long, value_name = "PREFIX", value_parser = namespace)]
     namespace: Option<String>,
 
@@ -66,7 +66,7 @@ pub struct TelemetryArguments {
     #[arg(long, value_name = "PATHS:AXES[:UNIT]", value_parser = role(Kind::Velocity))]
     velocity: Option<RoleArgument>,
 
-    /// Where the angles of a gimbal that moves are, as in /gimbal.pitch:degrees; the camera follows them
+    /// Where the angles of a moving gimbal are, as in /gimbal.pitch:degrees; the camera follows them
     #[arg(long, value_name = "PATHS:UNIT|REFERENCE", value_parser = role(Kind::Gimbal))]
     gimbal: Option<RoleArgument>,
 
@@ -75,7 +75,7 @@ pub struct TelemetryArguments {
     position: Option<RoleArgument>,
 
     /// What the time of a sample is: when it was logged, when it was published, or what a field of the message
-    /// says in s, ms, us or ns, as in header.stamp or time_usec:us [default: as the profile says, mostly log]
+    /// says in s, ms, us or ns, as in header.stamp or time_usec:us [default: what the profile says, usually log]
     #[arg(long, value_name = "log|publish|FIELD[:UNIT]")]
     time: Option<SampleTime>,
 }

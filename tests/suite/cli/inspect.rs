@@ -106,7 +106,7 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
     };
     let position = told["telemetry"]["roles"]["position"].take();
     assert_eq!(position.as_object().map(|position| position.len()), Some(1));
-    assert_eq!(position["missing"]["kind"], "no_messages");
+    assert_eq!(position["missing"]["kind"], "messages");
     let pitch = told["telemetry"]["roles"]["attitude"]["first"]["pitch_deg"].take();
     assert!((pitch.as_f64().unwrap() + 5.7296).abs() < 1e-4);
     let attitude = json!({

@@ -40,7 +40,7 @@ pub fn request(arguments: &[(&str, &str)]) -> Request {
 pub fn select_with(topics: &[Topic], request: &Request) -> Result<Source, Error> {
     piping::check(&log(topics), request, 4096);
     let folder = Folder::with(LOG, log(topics));
-    Source::select(&Log::open(&folder.path(LOG))?, request)
+    Ok(Source::select(&Log::open(&folder.path(LOG))?, request)?)
 }
 
 /// What is used: the profile, and the topics of attitude and velocity.
