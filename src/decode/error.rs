@@ -84,7 +84,7 @@ pub enum RosDefinitionError {
     Undefined { name: String },
     #[error("`{name}` contains itself")]
     Recursive { name: String },
-    #[error("`{name}` is one of more than {limit} messages within each other")]
+    #[error("at `{name}` messages are nested more than {limit} deep")]
     TooDeep { name: String, limit: usize },
 }
 

@@ -97,31 +97,41 @@ impl Linker<'_> {
         self.messages.insert(owned(), None);
         let mut fields = Vec::new();
         for field in definition {
-            let element = match built_in(field.base, self.dialect) {
-                Some(element) => element,
-                None => {
-                    let name = self.resolve(name, field.base);
-                    RosElement::Message(self.message(&name, depth + 1)?)
-                }
-            };
-            fields.push(RosField {
-                name: field.name.to_owned(),
-                value: RosType {
-                    element,
-                    list: field.list,
-                },
-            });
+            fields.push(self.field(field, name, depth)?);
         }
         if fields.is_empty() && self.dialect == Dialect::Ros2 {
             fields.push(padding());
         }
         let message = Arc::new(RosMessage::new(owned(), fields, self.dialect));
-        // One that was linked before may have come in at a place too deep for it.
+        // The depth does not count what is in messages that were linked before.
         if message.height > MAX_HEIGHT {
             return Err(too_deep());
         }
         self.messages.insert(owned(), Some(Arc::clone(&message)));
         Ok(message)
+    }
+
+    /// A field of a message of that name, which is within `depth` - 1 others.
+    fn field(
+        &mut self,
+        field: &FieldDefinition,
+        within: &str,
+        depth: usize,
+    ) -> Result<RosField, RosDefinitionError> {
+        let element = match built_in(field.base, self.dialect) {
+            Some(element) => element,
+            None => {
+                let name = self.resolve(within, field.base);
+                RosElement::Message(self.message(&name, depth + 1)?)
+            }
+        };
+        Ok(RosField {
+            name: field.name.to_owned(),
+            value: RosType {
+                element,
+                list: field.list,
+            },
+        })
     }
 
     /// The full name of a message that another message refers to.

@@ -290,7 +290,7 @@ fn a_definition_that_cannot_be_used_says_why() {
         ("module p { module msg {", "it does not define `p/module`"),
         (
             &nested(64),
-            "`p/M64` is one of more than 64 messages within each other",
+            "at `p/M64` messages are nested more than 64 deep",
         ),
     ] {
         let log = log_of(Wire::LittleEndian, text, &[little_endian(&[0; 8])]);
