@@ -16,7 +16,7 @@ pub fn note(note: &Note) -> String {
 
 fn on_the_log(note: &Note) -> Option<String> {
     Some(match note {
-        Note::Recovered => "an earlier run that changed the log was cut short; the log was first brought back to \
+        Note::Recovered => "an earlier run was interrupted while it changed the log; the log was first brought back to \
                             what it was before"
             .to_owned(),
         Note::Replaced { earlier } => {

@@ -133,7 +133,7 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
             "runners_up": [],
             "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
             "roles": {
-                "gimbal": { "missing": "the profile `flat` has no gimbal" },
+                "gimbal": { "missing": { "kind": "not_in_profile", "profile": "flat", "role": "gimbal" } },
                 "attitude": role(["roll", "pitch", "yaw"], 4, json!({ "missing_field": 1 }), attitude),
                 "velocity": role(["vx", "vy", "vz"], 5, json!({}), velocity),
                 "position": null,
@@ -235,7 +235,7 @@ fn what_looks_odd_is_noted() {
     let folder = Folder::with(LOG, &whole[..whole.len() * 6 / 10]);
     assert_reads(
         &prints(&folder, "", 0),
-        "all of it was read, because no summary … Note … the log breaks off at byte",
+        "the whole log was read, because it has no complete summary … Note … the log breaks off at byte",
     );
     let told = tells(&folder, "", 0);
     let (before, behind) = (

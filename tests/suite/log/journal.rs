@@ -100,7 +100,7 @@ fn every_command_brings_a_log_back_and_says_so() {
     let log = Shape::default().write();
     let (enriched, _) = enrich_bytes(&log).expect("a result");
     let again = "enrich flight.mcap --depression 30";
-    let note = "an earlier run that changed the log … cut short";
+    let note = "an earlier run … was interrupted while it changed the log";
     for (log, command, file, expected) in [
         (
             &log,
