@@ -5,6 +5,7 @@ mod support;
 mod camera;
 mod documentation;
 mod geometry;
+mod other_build;
 mod profiles;
 mod readers;
 mod real_logs;

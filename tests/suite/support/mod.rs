@@ -10,6 +10,7 @@ pub mod markdown;
 pub mod message;
 pub mod numbered;
 pub mod piping;
+pub mod random_topics;
 pub mod rewriting;
 pub mod ros;
 pub mod selecting;
