@@ -6,19 +6,19 @@
 
 pub mod contents;
 pub mod file;
-pub(crate) mod index;
 pub mod journal;
+pub(crate) mod message_index;
 pub(crate) mod prefix;
 pub mod record;
 pub mod stream;
 
 mod chunk;
 mod error;
-mod picker;
+mod message_times;
 mod scan;
 mod segment;
+mod sparse;
 mod summary;
-mod times;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -30,7 +30,7 @@ use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, op};
 use contents::Contents;
 use file::LogFile;
 use record::{Records, parse};
-use scan::{Bodies, Collector, Step, Walker};
+use scan::{Bodies, Collector, Next, Walker};
 use summary::{DATA_END_LENGTH, Ending};
 
 pub use crate::fs::Access;
@@ -114,18 +114,18 @@ impl Log {
         let mut collector = Collector::default();
         let stop = loop {
             match walker.step()? {
-                Step::Record(frame) if frame.opcode == op::DATA_END => {
+                Next::Record(frame) if frame.opcode == op::DATA_END => {
                     let body = walker.body(&frame, DATA_END_LENGTH as u64)?;
                     break Stop::data_end(frame.offset, body);
                 }
-                Step::Record(frame) if frame.opcode == op::FOOTER => {
+                Next::Record(frame) if frame.opcode == op::FOOTER => {
                     break Stop::Footer {
                         offset: frame.offset,
                     };
                 }
-                Step::Record(frame) => collector.record(&mut walker, &frame)?,
-                Step::End => break Stop::End { offset: end },
-                Step::Torn { offset } => break Stop::Torn { offset },
+                Next::Record(frame) => collector.record(&mut walker, &frame)?,
+                Next::End => break Stop::End { offset: end },
+                Next::Torn { offset } => break Stop::Torn { offset },
             }
         };
         let log = Self::read_to_end(file, header, ending, stop, collector)?;
@@ -274,7 +274,7 @@ fn read_header(file: &LogFile) -> Result<Header, ReadError> {
     let magic_length = mcap::MAGIC.len() as u64;
     check_magic(file.path(), &file.read(0, file.length().min(magic_length))?)?;
     let mut walker = Walker::new(file, magic_length, file.length());
-    if let Step::Record(frame) = walker.step()?
+    if let Next::Record(frame) = walker.step()?
         && frame.opcode == op::HEADER
         && let Ok(header) = parse(walker.body(&frame, u64::MAX)?)
     {

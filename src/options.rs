@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::{
     camera::{Camera, CameraError, Mount},
     geometry::DepressionAngle,
-    log::journal::Step,
+    log::journal::JournalStep,
     messages::EncodingChoice,
     run::{Progress, Watch},
     sample::Kind,
@@ -97,7 +97,7 @@ impl Options {
 
     /// See [`Watch::on_step`].
     #[doc(hidden)]
-    pub fn on_step(self, reached: impl Fn(Step) + Send + Sync + 'static) -> Self {
+    pub fn on_step(self, reached: impl Fn(JournalStep) + Send + Sync + 'static) -> Self {
         Self {
             watch: self.watch.on_step(reached),
             ..self

@@ -25,7 +25,7 @@ pub use watch::{Progress, Watch};
 
 use crate::{
     error::Error,
-    log::journal::{Journal, Step},
+    log::journal::{Journal, JournalStep},
     writer::WriteError,
 };
 
@@ -144,7 +144,7 @@ impl<'a> Run<'a> {
     }
 
     /// A change of the log in place has come to a step, after each of which it is too late, or too early, to end.
-    pub fn reached(&self, step: Step) {
+    pub fn reached(&self, step: JournalStep) {
         self.watch.reached(step);
     }
 

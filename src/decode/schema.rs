@@ -37,7 +37,7 @@ impl<'a> MessageSchema<'a> {
     /// Of a channel, which names this schema.
     pub fn of(
         channel: &Channel,
-        schema: Option<&contents::Schema>,
+        schema: Option<&contents::SchemaRecord>,
         first_messages: &'a FirstMessages<'a>,
     ) -> Result<Self, SchemaError> {
         let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());

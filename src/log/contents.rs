@@ -34,7 +34,7 @@ pub struct Contents {
 #[derive(Debug, Clone, Default)]
 pub struct Definitions {
     /// By id.
-    pub schemas: BTreeMap<u16, Schema>,
+    pub schemas: BTreeMap<u16, SchemaRecord>,
     /// By id.
     pub channels: BTreeMap<u16, Raw<Channel>>,
 }
@@ -53,7 +53,7 @@ impl Definitions {
             }
         }
         Some(if opcode == op::SCHEMA {
-            let schema = Schema::parse(body)?;
+            let schema = SchemaRecord::parse(body)?;
             insert(&mut self.schemas, schema.id, schema)
         } else {
             let channel = Raw::<Channel>::parse(body).ok()?;
@@ -64,7 +64,7 @@ impl Definitions {
 
 /// A schema, as its record says it.
 #[derive(Debug, Clone)]
-pub struct Schema {
+pub struct SchemaRecord {
     /// Not 0, which means "no schema".
     pub id: u16,
     /// What the channel's message type is called in it.
@@ -76,7 +76,7 @@ pub struct Schema {
     data: Range<usize>,
 }
 
-impl Schema {
+impl SchemaRecord {
     /// Reads the body of a schema record; `None` if it breaks off.
     pub fn parse(body: &[u8]) -> Option<Self> {
         let header: SchemaHeader = parse(body).ok()?;
@@ -181,7 +181,7 @@ impl Contents {
     }
 
     /// The schema of a channel; `None` where it has none or names one that the log does not hold.
-    pub fn schema_of(&self, channel: &Channel) -> Option<&Schema> {
+    pub fn schema_of(&self, channel: &Channel) -> Option<&SchemaRecord> {
         self.definitions.schemas.get(&channel.schema_id)
     }
 

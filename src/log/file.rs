@@ -9,7 +9,7 @@ use std::{
 
 use super::{
     error::{Damage, JournalError, ReadError},
-    journal::{self, Journal, Step},
+    journal::{self, Journal, JournalStep},
 };
 use crate::fs::{Access, LockedFile, OpenError, ReadAt};
 
@@ -115,7 +115,7 @@ impl LogFile {
     pub fn change_from(
         &self,
         start: u64,
-        reached: &dyn Fn(Step),
+        reached: &dyn Fn(JournalStep),
     ) -> Result<Journal<'_>, JournalError> {
         match &self.bytes {
             Bytes::File(file) => Journal::begin(file, &self.path, start, reached),

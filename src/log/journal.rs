@@ -34,7 +34,7 @@ const CRC_LENGTH: u64 = size_of::<u32>() as u64;
 
 /// How far a change has come. After each of these a kill leaves something different behind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Step {
+pub enum JournalStep {
     /// The journal exists and has not been written to.
     JournalCreated,
     /// The journal is written, and perhaps not on the disk yet.
@@ -51,7 +51,7 @@ pub enum Step {
     JournalRemoved,
 }
 
-impl Step {
+impl JournalStep {
     /// All of them, in their order.
     pub const ALL: [Self; 7] = [
         Self::JournalCreated,
@@ -97,7 +97,7 @@ impl<'a> Journal<'a> {
         log: &'a File,
         log_path: &'a Path,
         start: u64,
-        reached: &dyn Fn(Step),
+        reached: &dyn Fn(JournalStep),
     ) -> Result<Self, JournalError> {
         let path = beside(log_path)?;
         let failed = |source| JournalError::io("cannot save the log's end", &path, source);
@@ -109,7 +109,7 @@ impl<'a> Journal<'a> {
             let _ = fs::remove_file(&path);
             return Err(failed(error));
         }
-        reached(Step::JournalDurable);
+        reached(JournalStep::JournalDurable);
         Ok(Self {
             log,
             log_path,
@@ -131,14 +131,14 @@ impl<'a> Journal<'a> {
     ///
     /// # Errors
     /// The file cannot be cut or synced, or the journal not removed.
-    pub fn commit(&self, length: u64, reached: &dyn Fn(Step)) -> Result<(), JournalError> {
+    pub fn commit(&self, length: u64, reached: &dyn Fn(JournalStep)) -> Result<(), JournalError> {
         let failed = |source| JournalError::io("cannot write the log", self.log_path, source);
         let file = self.log;
-        reached(Step::LogWritten);
+        reached(JournalStep::LogWritten);
         file.set_len(length).map_err(failed)?;
-        reached(Step::LogCut);
+        reached(JournalStep::LogCut);
         file.sync_all().map_err(failed)?;
-        reached(Step::LogDurable);
+        reached(JournalStep::LogDurable);
         remove(&self.path, reached)
     }
 
@@ -200,9 +200,9 @@ fn write(
     log_path: &Path,
     start: u64,
     journal: File,
-    reached: &dyn Fn(Step),
+    reached: &dyn Fn(JournalStep),
 ) -> io::Result<()> {
-    reached(Step::JournalCreated);
+    reached(JournalStep::JournalCreated);
     let metadata = log.metadata()?;
     grant(&journal, metadata.permissions())?;
     let path = log_path.canonicalize()?;
@@ -230,7 +230,7 @@ fn write(
     let Checksummed { mut out, crc } = out;
     out.write_all(&crc.finalize().to_le_bytes())?;
     let journal = out.into_inner()?;
-    reached(Step::JournalWritten);
+    reached(JournalStep::JournalWritten);
     journal.sync_all()
 }
 
@@ -280,10 +280,10 @@ fn bring_back(log: &File, header: &Header, journal: File) -> io::Result<()> {
     log.sync_all()
 }
 
-fn remove(journal: &Path, reached: &dyn Fn(Step)) -> Result<(), JournalError> {
+fn remove(journal: &Path, reached: &dyn Fn(JournalStep)) -> Result<(), JournalError> {
     fs::remove_file(journal)
         .map_err(|source| JournalError::io("cannot remove", journal, source))?;
-    reached(Step::JournalRemoved);
+    reached(JournalStep::JournalRemoved);
     // This is too late to fail: what it was about is done. At worst a power cut undoes that.
     let _ = sync_folder(journal);
     Ok(())

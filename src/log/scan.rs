@@ -46,7 +46,7 @@ impl Frame {
 
 /// What comes next in a stretch of records.
 #[derive(Debug, Clone, Copy)]
-pub enum Step {
+pub enum Next {
     Record(Frame),
     /// The stretch ends where a record ends.
     End,
@@ -86,12 +86,12 @@ impl<'a> Walker<'a> {
         }
     }
 
-    pub fn step(&mut self) -> Result<Step, ReadError> {
+    pub fn step(&mut self) -> Result<Next, ReadError> {
         let offset = self.position;
         if offset >= self.end {
-            return Ok(Step::End);
+            return Ok(Next::End);
         }
-        let torn = Ok(Step::Torn { offset });
+        let torn = Ok(Next::Torn { offset });
         if self.end - offset < FRAME_LENGTH as u64 {
             return torn;
         }
@@ -109,7 +109,7 @@ impl<'a> Walker<'a> {
             length,
         };
         self.position = frame.end();
-        Ok(Step::Record(frame))
+        Ok(Next::Record(frame))
     }
 
     fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], ReadError> {

@@ -10,9 +10,9 @@ use super::{
     contents::{Segment, SegmentKind},
     error::{Damage, ReadError},
     file::LogFile,
-    index::new_message_indexes,
-    picker::Picker,
+    message_index::new_message_indexes,
     record::{RawMessage, Records},
+    sparse::SparseReader,
 };
 
 /// Reads the messages of one segment after the other, reusing its buffers.
@@ -20,7 +20,7 @@ pub struct SegmentReader<'a> {
     file: &'a LogFile,
     loose: Vec<u8>,
     chunks: ChunkReader,
-    picker: Picker,
+    sparse: SparseReader,
 }
 
 impl<'a> SegmentReader<'a> {
@@ -30,7 +30,7 @@ impl<'a> SegmentReader<'a> {
             file: &log.file,
             loose: Vec::new(),
             chunks: ChunkReader::default(),
-            picker: Picker::default(),
+            sparse: SparseReader::default(),
         }
     }
 
@@ -49,8 +49,8 @@ impl<'a> SegmentReader<'a> {
     ) -> Result<impl Iterator<Item = Result<RawMessage<'_>, ReadError>>, ReadError> {
         let file = self.file;
         let Segment { offset, length, .. } = *segment;
-        let records = match self.picker.pick(file, segment, wanted)? {
-            Some(picked) => picked,
+        let records = match self.sparse.read(file, segment, wanted)? {
+            Some(records) => records,
             None if matches!(segment.kind, SegmentKind::Loose) => {
                 file.read_into(&mut self.loose, offset, length)?;
                 Records::new(&self.loose)

@@ -3,9 +3,9 @@
 //! What may be needed of it again is kept in temporary files: the messages that are followed, and of all other
 //! bytes only those that appending takes. Memory holds one record at a time, and of a long one only a piece.
 
-mod followed;
-mod kept;
+mod excerpt;
 mod pipe;
+mod spool;
 
 use std::{
     io::{Read, Write},
@@ -23,7 +23,7 @@ use super::{
     scan::{Bodies, Collector},
     summary::{DATA_END_LENGTH, Ending},
 };
-use followed::Followed;
+use excerpt::Excerpt;
 use pipe::Pipe;
 
 /// A stream, and what errors call it.
@@ -77,7 +77,7 @@ pub fn pass_through(
     let mut pipe = Pipe::new(input, output)?;
     let header = pipe.pass_on_header()?;
     let mut collector = Collector::default();
-    let mut followed = Followed::new(follow)?;
+    let mut excerpt = Excerpt::new(follow)?;
     let stop = loop {
         let offset = pipe.position();
         let Some(frame) = pipe.read_frame()? else {
@@ -102,7 +102,7 @@ pub fn pass_through(
 
         let segment = collector.segments();
         collector.record_and_visit(&mut body, &frame, |definitions, message, record| {
-            followed.consider(definitions, segment, message, record);
+            excerpt.consider(definitions, segment, message, record);
         })?;
         // Nobody's telemetry has longer messages.
         if frame.opcode == op::MESSAGE && frame.length <= MAX_RECORD {
@@ -110,10 +110,10 @@ pub fn pass_through(
             if let Some(message) = RawMessage::parse(record) {
                 let definitions = &collector.contents.definitions;
                 let segment = collector.segments() - 1;
-                followed.consider(definitions, segment, &message, record);
+                excerpt.consider(definitions, segment, &message, record);
             }
         }
-        followed.write_to(collector.segments())?;
+        excerpt.write_to(collector.segments())?;
         pipe.pass_on(&frame)?;
     };
     if collector.close_chunk() == Some(false) {
@@ -124,7 +124,7 @@ pub fn pass_through(
     let ending = Ending::read(&file, data_end)?;
     let original = Log::read_to_end(file, header, ending, stop, collector)?;
     Ok(Streamed {
-        telemetry: followed.finish(name, &original)?,
+        telemetry: excerpt.finish(name, &original)?,
         original,
     })
 }

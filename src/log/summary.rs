@@ -9,7 +9,7 @@ use super::{
     error::ReadError,
     file::LogFile,
     record::{FRAME_LENGTH, Raw, Records, parse, split_frame},
-    scan::{Collector, DefinedInChunk, Step, Walker},
+    scan::{Collector, DefinedInChunk, Next, Walker},
 };
 
 /// Bytes of a footer record's body: where the summary and its offsets start, and a checksum.
@@ -254,9 +254,9 @@ fn collect(
     let mut walker = Walker::new(file, start, end);
     loop {
         match walker.step()? {
-            Step::Record(frame) => collector.record(&mut walker, &frame)?,
-            Step::End => return Ok(true),
-            Step::Torn { .. } => return Ok(false),
+            Next::Record(frame) => collector.record(&mut walker, &frame)?,
+            Next::End => return Ok(true),
+            Next::Torn { .. } => return Ok(false),
         }
     }
 }

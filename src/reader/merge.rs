@@ -13,14 +13,14 @@ use crate::{
 };
 
 /// The samples of one segment that were not taken yet, of which there is one at least.
-struct Run {
+struct SampleRun {
     next: Sample,
     others: vec::IntoIter<Sample>,
     /// The segment's offset in the file.
     segment: u64,
 }
 
-impl Run {
+impl SampleRun {
     fn new(segment: u64, samples: Vec<Sample>) -> Option<Self> {
         let mut others = samples.into_iter();
         Some(Self {
@@ -36,25 +36,25 @@ impl Run {
 }
 
 /// The run whose next sample is first is the greatest, as it is to be on top of a heap.
-impl Ord for Run {
+impl Ord for SampleRun {
     fn cmp(&self, other: &Self) -> Ordering {
         other.place().cmp(&self.place())
     }
 }
 
-impl PartialOrd for Run {
+impl PartialOrd for SampleRun {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Run {
+impl PartialEq for SampleRun {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Run {}
+impl Eq for SampleRun {}
 
 /// Gives all samples to `take` in order, each with how many bytes were read by then. The n-th of `runs` has those of
 /// the n-th part, in the order of their times and kinds; it is asked for when all samples before its part's start were
@@ -72,7 +72,7 @@ pub fn merge<E: From<ReadError>>(
         .map(|part| Some(part.start))
         .chain([None]);
     for ((part, samples), unread_from) in parts.iter().zip(runs).zip(starts) {
-        held.extend(Run::new(part.segment.offset, samples?));
+        held.extend(SampleRun::new(part.segment.offset, samples?));
         bytes_read += part.segment.length;
         while let Some(sample) = take_first(&mut held, unread_from) {
             take(sample, bytes_read)?;
@@ -82,7 +82,7 @@ pub fn merge<E: From<ReadError>>(
 }
 
 /// Takes the first sample, if it is earlier than all that are not read yet.
-fn take_first(held: &mut BinaryHeap<Run>, unread_from: Option<u64>) -> Option<Sample> {
+fn take_first(held: &mut BinaryHeap<SampleRun>, unread_from: Option<u64>) -> Option<Sample> {
     let mut first = held.peek_mut()?;
     // At equal times the one that is not read yet may lie earlier in the file.
     if unread_from.is_some_and(|start| first.next.stamp().log_time >= start) {

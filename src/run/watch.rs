@@ -2,7 +2,7 @@
 
 use std::{fmt, ops::ControlFlow, sync::Arc};
 
-use crate::log::journal::Step;
+use crate::log::journal::JournalStep;
 
 /// How far a run is, in bytes: of the telemetry read, and of the log copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct Progress {
 #[derive(Clone, Default)]
 pub struct Watch {
     progress: Option<Arc<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>>,
-    step: Option<Arc<dyn Fn(Step) + Send + Sync>>,
+    step: Option<Arc<dyn Fn(JournalStep) + Send + Sync>>,
 }
 
 impl Watch {
@@ -37,7 +37,7 @@ impl Watch {
     /// Calls `reached` at each step of a change in place, on the thread that makes the change. For tests of what is
     /// found when a run ends there.
     #[doc(hidden)]
-    pub fn on_step(self, reached: impl Fn(Step) + Send + Sync + 'static) -> Self {
+    pub fn on_step(self, reached: impl Fn(JournalStep) + Send + Sync + 'static) -> Self {
         Self {
             step: Some(Arc::new(reached)),
             ..self
@@ -55,7 +55,7 @@ impl Watch {
         }
     }
 
-    pub(super) fn reached(&self, step: Step) {
+    pub(super) fn reached(&self, step: JournalStep) {
         if let Some(reached) = &self.step {
             reached(step);
         }

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, io};
 use mcap::records::{ChunkHeader, ChunkIndex, MessageIndexEntry, op};
 
 use crate::log::{
-    index::{new_message_indexes, push_message_indexes},
+    message_index::{new_message_indexes, push_message_indexes},
     record::{push_record, serialize},
 };
 

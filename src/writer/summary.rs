@@ -7,7 +7,7 @@ use mcap::records::{ChunkIndex, Footer, MessageIndex, Statistics, SummaryOffset,
 use super::section::Added;
 use crate::log::{
     contents::{Contents, SegmentKind},
-    index::push_message_indexes,
+    message_index::push_message_indexes,
     record::{Raw, push_record, serialize},
 };
 

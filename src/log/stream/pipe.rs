@@ -7,7 +7,7 @@ use std::{
 
 use mcap::records::{Header, op};
 
-use super::{Named, kept::Kept};
+use super::{Named, spool::Spool};
 use crate::log::{
     check_magic,
     chunk::MAX_RECORD,
@@ -37,7 +37,7 @@ pub struct Pipe<'a, R: Read, W: Write> {
     /// The chunk that message indexes may still follow, and its record unless that is long.
     chunk: Option<Frame>,
     chunk_record: Vec<u8>,
-    kept: Kept,
+    spool: Spool,
 }
 
 impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
@@ -55,7 +55,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
             record: Vec::new(),
             chunk: None,
             chunk_record: Vec::new(),
-            kept: Kept::new()?,
+            spool: Spool::new()?,
         })
     }
 
@@ -100,7 +100,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         if !is_long(frame) {
             return self.read(frame.length);
         }
-        self.kept.write(frame.offset, &self.record)?;
+        self.spool.write(frame.offset, &self.record)?;
         let copied = self.hold_back(frame.body_offset(), frame.length)?;
         Ok(copied == frame.length)
     }
@@ -114,7 +114,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
                 bytes: &self.record[FRAME_LENGTH..],
             },
             true => Body::InFile {
-                file: self.kept.open(name)?,
+                file: self.spool.open(name)?,
                 buffer: Vec::new(),
             },
         })
@@ -123,7 +123,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     /// Passes on the record at hand, which is whole.
     pub fn pass_on(&mut self, frame: &Frame) -> Result<(), ReadError> {
         if is_long(frame) {
-            let file = self.kept.open(self.input.name)?;
+            let file = self.spool.open(self.input.name)?;
             let mut offset = frame.offset;
             while offset < frame.end() {
                 let length = PIECE.min(frame.end() - offset);
@@ -142,8 +142,8 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
                 Ok(())
             }
             (op::METADATA, true) => Ok(()),
-            (op::METADATA, false) => self.kept.write(frame.offset, &self.record),
-            (_, true) => self.kept.forget(frame.offset),
+            (op::METADATA, false) => self.spool.write(frame.offset, &self.record),
+            (_, true) => self.spool.forget(frame.offset),
             (_, false) => Ok(()),
         }
     }
@@ -155,8 +155,8 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
             return Ok(());
         };
         match (is_indexed, is_long(&chunk)) {
-            (true, true) => self.kept.forget(chunk.offset),
-            (false, false) => self.kept.write(chunk.offset, &self.chunk_record),
+            (true, true) => self.spool.forget(chunk.offset),
+            (false, false) => self.spool.write(chunk.offset, &self.chunk_record),
             (true, false) | (false, true) => Ok(()),
         }
     }
@@ -164,12 +164,12 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     /// Holds back the record at hand, so far as it has come, and all that still comes. Gives all that was kept.
     pub fn hold_back_the_rest(mut self) -> Result<LogFile, ReadError> {
         flush(&mut self.output)?;
-        self.kept.write(self.position, &self.record)?;
+        self.spool.write(self.position, &self.record)?;
         let held_back = self.position + self.record.len() as u64;
         // A long record that breaks off is there already.
-        let held_back = self.kept.end()?.max(held_back);
+        let held_back = self.spool.end()?.max(held_back);
         self.hold_back(held_back, u64::MAX)?;
-        self.kept.finish(self.input.name, self.position)
+        self.spool.finish(self.input.name, self.position)
     }
 
     /// Reads so many bytes more of the record at hand; whether they came.
@@ -185,7 +185,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
             piece.clear();
             let wanted = PIECE.min(most - held_back);
             let is_all = read_up_to(&mut self.input, &mut self.output, &mut piece, wanted)?;
-            self.kept.write(offset + held_back, &piece)?;
+            self.spool.write(offset + held_back, &piece)?;
             held_back += piece.len() as u64;
             if !is_all || held_back == most {
                 return Ok(held_back);
@@ -204,7 +204,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     fn pass(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
         let written = self.output.stream.write_all(bytes);
         written.map_err(|source| cannot_write(self.output.name, source))?;
-        self.kept.pass(bytes);
+        self.spool.pass(bytes);
         Ok(())
     }
 }

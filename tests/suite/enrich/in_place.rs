@@ -13,7 +13,7 @@ use std::{
 
 use flightcam::{
     Error, Output, Progress, Watch, enrich,
-    log::{Access, file::LogFile, journal::Step},
+    log::{Access, file::LogFile, journal::JournalStep},
     restore,
 };
 
@@ -53,8 +53,8 @@ fn nobody_meets_a_change_that_is_under_way() {
     enrich_at(60.0);
     let watch = Watch::default().on_step(meanwhile);
     restore(&path, Output::InPlace, &watch).expect("the original");
-    let steps: Vec<Step> = steps.try_iter().collect();
-    assert_eq!(steps, Step::ALL.repeat(3));
+    let steps: Vec<JournalStep> = steps.try_iter().collect();
+    assert_eq!(steps, JournalStep::ALL.repeat(3));
     folder.writes(RESULT, COMMANDS[1], 0);
 }
 

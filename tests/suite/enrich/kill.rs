@@ -19,7 +19,7 @@ use std::{
 use assert_cmd::cargo::cargo_bin;
 use flightcam::{
     Output, Watch, enrich,
-    log::{Log, journal::Step},
+    log::{Log, journal::JournalStep},
     restore,
 };
 use signal_hook::{consts::SIGKILL, low_level::raise};
@@ -49,7 +49,7 @@ const CHANGES: [Change; 3] = [Change::Enrich, Change::Replace, Change::Restore];
 #[derive(Debug, Clone, Copy)]
 enum Moment {
     /// When it has come to a step.
-    At(Step),
+    At(JournalStep),
     /// When it has told so many times how far it is.
     Told(u64),
     /// When what the log has at some place is not any more what it was.
@@ -130,7 +130,7 @@ fn the_child() {
         ControlFlow::Continue(())
     };
     let reached = move |step| {
-        if is_at && step == Step::ALL[number as usize] {
+        if is_at && step == JournalStep::ALL[number as usize] {
             die();
         }
     };
@@ -175,7 +175,10 @@ fn run_child(log: &Path, change: impl fmt::Debug, moment: Moment) -> ExitStatus 
     let (moment, number) = match moment {
         Moment::At(step) => (
             "At",
-            Step::ALL.iter().position(|&s| s == step).expect("a step") as u64,
+            JournalStep::ALL
+                .iter()
+                .position(|&s| s == step)
+                .expect("a step") as u64,
         ),
         Moment::Told(times) => ("Told", times),
         Moment::Overwritten(place) => ("Overwritten", place),
@@ -314,17 +317,19 @@ fn a_run_that_is_killed_at_a_step_loses_nothing() {
     let mut tally = Tally::default();
     for logs in logs() {
         for change in CHANGES {
-            for step in Step::ALL {
+            for step in JournalStep::ALL {
                 let folder = Folder::with(LOG, logs.before(change));
                 let status = run_child(&folder.path(LOG), change, Moment::At(step));
                 assert_eq!(status.signal(), Some(SIGKILL), "{step:?}");
                 let found = look(&folder, &logs, change, tally.killed as usize);
                 let expected = match step {
-                    Step::JournalCreated | Step::JournalWritten | Step::JournalDurable => {
-                        Found::Saved
+                    JournalStep::JournalCreated
+                    | JournalStep::JournalWritten
+                    | JournalStep::JournalDurable => Found::Saved,
+                    JournalStep::LogWritten | JournalStep::LogCut | JournalStep::LogDurable => {
+                        Found::Half
                     }
-                    Step::LogWritten | Step::LogCut | Step::LogDurable => Found::Half,
-                    Step::JournalRemoved => Found::After,
+                    JournalStep::JournalRemoved => Found::After,
                 };
                 assert_eq!(found, expected, "{change:?}, {step:?}");
                 tally.add(status, found);
@@ -396,7 +401,7 @@ fn a_run_that_is_killed_while_it_brings_a_log_back_loses_nothing() {
             let start = same(before, after);
             for turn in 0..4 {
                 let folder = Folder::with(LOG, before);
-                run_child(&folder.path(LOG), change, Moment::At(Step::LogCut));
+                run_child(&folder.path(LOG), change, Moment::At(JournalStep::LogCut));
                 let place = start + (draw() * (before.len() as u64 - start) as f64) as u64;
                 println!("{change:?} is killed when byte {place} is brought back");
                 let status = run_child(&folder.path(LOG), Recover, Moment::Overwritten(place));

@@ -12,7 +12,7 @@ use crate::log::{error::ReadError, file::LogFile};
 const ENDS: usize = 64 * 1024;
 
 /// Bytes of a log at their places in a file that has holes where all the others would be.
-pub struct Kept {
+pub struct Spool {
     file: File,
     /// The first bytes that were passed on.
     head: Vec<u8>,
@@ -20,7 +20,7 @@ pub struct Kept {
     foot: Vec<u8>,
 }
 
-impl Kept {
+impl Spool {
     pub fn new() -> Result<Self, ReadError> {
         Ok(Self {
             file: tempfile::tempfile().map_err(temporary)?,

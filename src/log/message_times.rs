@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Log, SegmentReader, error::ReadError, index::message_index};
+use super::{Log, SegmentReader, error::ReadError, message_index::message_index};
 
 impl Log {
     /// The log times of the messages of some channels, by channel id, each channel's in order. A chunk is opened

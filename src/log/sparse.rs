@@ -8,7 +8,7 @@ use super::{
     contents::{Segment, SegmentKind},
     error::ReadError,
     file::LogFile,
-    index::message_index,
+    message_index::message_index,
     record::{FRAME_LENGTH, RawMessage, Records, split_frame},
 };
 
@@ -22,7 +22,7 @@ const CONTENT_OFFSET: u64 = FRAME_LENGTH as u64 + 8 + 8 + 8 + 4 + 4 + 8;
 
 /// Picks messages out of one chunk after the other, reusing its buffers.
 #[derive(Default)]
-pub struct Picker {
+pub struct SparseReader {
     entries: Vec<Entry>,
     records: Vec<u8>,
 }
@@ -35,13 +35,13 @@ struct Entry {
     offset: u64,
 }
 
-impl Picker {
+impl SparseReader {
     /// The records of a chunk's messages on the wanted channels, in the order of the file. `None` where they cannot
     /// be picked, because the chunk is compressed or not indexed or an index lies, or where that is not worth it.
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn pick(
+    pub fn read(
         &mut self,
         file: &LogFile,
         segment: &Segment,
@@ -77,7 +77,7 @@ impl Picker {
         }
         let start = segment.offset + CONTENT_OFFSET;
         let content = start..start + length;
-        let packed = read(file, content, &self.entries, &mut self.records)?;
+        let packed = gather(file, content, &self.entries, &mut self.records)?;
         Ok(packed.map(|packed| Records::new(&self.records[..packed])))
     }
 }
@@ -94,7 +94,7 @@ fn reach(run: &[Entry]) -> u64 {
 
 /// Reads the messages of entries that lie within the content, packed behind one another at the start of `records`.
 /// How long that is; `None` if one of them is not what its entry says, or two overlap.
-fn read(
+fn gather(
     file: &LogFile,
     content: Range<u64>,
     entries: &[Entry],

@@ -8,7 +8,7 @@ use std::{
 
 use mcap::records::op;
 
-use super::{Passing, kept::temporary};
+use super::{Passing, spool::temporary};
 use crate::log::{
     Log,
     contents::{Contents, Definitions, Segment, SegmentKind},
@@ -18,7 +18,7 @@ use crate::log::{
 };
 
 /// Writes down the messages that are followed.
-pub struct Followed<F> {
+pub struct Excerpt<F> {
     follow: F,
     file: BufWriter<File>,
     /// Of the record at hand.
@@ -27,7 +27,7 @@ pub struct Followed<F> {
     lengths: Vec<u64>,
 }
 
-impl<F: FnMut(Passing) -> bool> Followed<F> {
+impl<F: FnMut(Passing) -> bool> Excerpt<F> {
     /// Those that `follow` says.
     pub fn new(follow: F) -> Result<Self, ReadError> {
         Ok(Self {
