@@ -1,4 +1,4 @@
-//! How the camera hangs on the drone, and where it looks because of that.
+//! How the camera is mounted on the drone, and where it looks because of that.
 //!
 //! Frames and angles are those of [`geometry`](crate::geometry): NED, drone (FRD) and camera, `v_a = r_ab * v_b`.
 
@@ -9,7 +9,7 @@ use crate::{
     sample::GimbalReference,
 };
 
-/// How the camera hangs on the drone.
+/// How the camera is mounted on the drone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Camera {
     /// On a gimbal that cancels the drone's roll and pitch and holds a fixed angle below the horizon:
@@ -22,7 +22,7 @@ pub enum Camera {
     },
     /// Bolted to the airframe: it rolls and pitches with the drone, `R_ned_camera = R_ned_drone R_drone_camera`.
     Fixed(Mount),
-    /// On a gimbal whose orientation the log tells.
+    /// On a gimbal whose orientation is in the log.
     Gimbal,
 }
 
@@ -30,7 +30,7 @@ pub enum Camera {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
-    /// Nobody says.
+    /// Neither the log nor the options say.
     #[error("the log does not say where the camera looks, and no angle is given")]
     Unknown,
     /// A mount with roll or pitch was given together with a depression angle.

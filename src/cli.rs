@@ -21,6 +21,7 @@ use std::{
 
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
 use flightcam::Error;
+use serde::Serialize;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -119,6 +120,11 @@ fn wrong_arguments(kind: ErrorKind, problem: &str) -> ! {
 fn number(text: &str) -> Result<f64, String> {
     text.parse()
         .map_err(|_| "not a number; write it as 30 or 30.5".to_owned())
+}
+
+/// A report for scripts.
+fn to_json(report: &impl Serialize) -> String {
+    serde_json::to_string_pretty(report).expect("reports have only string keys")
 }
 
 /// Writes a result to standard output. A reader that stops reading early is no error; any other trouble is

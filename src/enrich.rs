@@ -1,5 +1,5 @@
-//! Enriching a log: its telemetry is read, what follows from that for the camera is derived, and the log is written
-//! with it, all at the same time.
+//! Enriching a log: reading its telemetry, deriving the camera's motion, and writing the log with it, all at the same
+//! time.
 //!
 //! ```text
 //! reading workers ──samples──▶ job ──derived values──▶ the caller's thread: a sink
@@ -7,8 +7,8 @@
 //!                                                      beside it: the log is copied to a new file by the system
 //! ```
 //!
-//! Each arrow is a channel that holds little, so that whoever is faster waits, and memory is bounded. The job knows
-//! nothing of what becomes of the values: what takes them is a [`Sink`].
+//! Each arrow is a channel with little room, so the faster side waits and memory is bounded. The job does not know what
+//! becomes of the values; they go to a sink.
 
 mod background;
 mod job;
@@ -33,12 +33,12 @@ use job::{Derivation, Job};
 use plan::Plan;
 use target::Target;
 
-/// What follows the derivation: it takes all derived values, in the order of their times.
+/// What takes the derived values, in the order of their times: a writer of a log, a table, a page.
 pub(crate) trait Sink {
     /// Takes the next values.
     ///
     /// # Errors
-    /// It cannot, or wants no more of them.
+    /// It cannot take them, or does not want any more.
     fn take(&mut self, values: &[Derived]) -> Result<(), Stopped>;
 }
 
@@ -54,7 +54,7 @@ impl<F: FnMut(&[Derived]) -> ControlFlow<()>> Sink for F {
 /// Writes a log with the camera's channels. Of a log that is enriched already the earlier result is replaced.
 ///
 /// # Errors
-/// What is wrong with the log, the options or the output. No new file is left then, and a log in place is as it was. A
+/// What is wrong with the log, the options or the output. Then there is no new file, and a log in place is as it was. A
 /// stream may have got a part of the result, or, if the log comes from a stream too, the log as it is.
 pub fn enrich<'a>(
     input: impl Into<Input<'a>>,
@@ -65,7 +65,7 @@ pub fn enrich<'a>(
     let run = Run::new(&options.watch, output.name(input.name()), output.left());
     run.attend(|| match input {
         Input::File(path) => {
-            // Looked at first, because opening a log that has no summary reads all of it.
+            // Checked first, because opening a log without a summary reads all of it.
             let target = Target::new(Some(&path), output, options.layout)?;
             let file = LogFile::open(&path, target.access())?;
             enrich_log(file, target, options, &run)
@@ -86,7 +86,7 @@ pub fn enrich<'a>(
     })
 }
 
-/// Enriches a log of which any part can be read at any time.
+/// Enriches a log that can be read by position.
 fn enrich_log(
     file: LogFile,
     target: Target,
@@ -99,8 +99,8 @@ fn enrich_log(
     write(&original, &original.log, plan, target, options, run)
 }
 
-/// Writes a log to where it is to go, with what follows from its telemetry. That is read from the log `telemetry`,
-/// which is the original unless that came through a pipe.
+/// Reads the telemetry, derives the camera's motion and writes the log with it, all at the same time. The telemetry is
+/// read from the log `telemetry`, which is the original unless that comes through a pipe.
 fn write(
     original: &Original,
     telemetry: &Log,
@@ -130,7 +130,7 @@ fn write(
                 original, options, source, camera, encoding, &dropped, outcome,
             )
         };
-        // Nothing is created where nothing can be derived.
+        // If nothing can be derived, nothing is created.
         let Some(first) = job.next() else {
             return Err(nothing_derived(&find(job.finish()?), &original.log).into());
         };
@@ -148,8 +148,8 @@ fn write(
     })
 }
 
-/// Derives the camera's motion from a log's telemetry without writing a log: `take` gets all values, in the order of
-/// their times. Gives what became of the samples; `None` where `take` ended it.
+/// Derives the camera's motion from a log's telemetry without writing a log. `take` gets all values in batches, in the
+/// order of their times. Returns what became of the samples; `None` if `take` ended the derivation.
 ///
 /// # Errors
 /// What is wrong with the log or the options.

@@ -1,5 +1,5 @@
-//! Files as the standard library alone does not offer them: read and written by position, locked, copied by the
-//! system, and as durable as their names.
+//! What the standard library lacks for files: reading and writing by position, locks, copying in the kernel, and names
+//! that are as durable as the content.
 
 use std::{
     fmt,
@@ -18,13 +18,13 @@ pub trait ReadAt: fmt::Debug + Send + Sync {
     /// How many bytes there are.
     ///
     /// # Errors
-    /// That cannot be found out.
+    /// The number cannot be read.
     fn length(&self) -> io::Result<u64>;
 
-    /// Reads the bytes at `offset` into all of the buffer.
+    /// Fills the buffer with the bytes at `offset`.
     ///
     /// # Errors
-    /// There are not that many, or they cannot be read.
+    /// There are not enough bytes, or they cannot be read.
     fn read_exact_at(&self, buffer: &mut [u8], offset: u64) -> io::Result<()>;
 }
 
@@ -65,7 +65,7 @@ impl ReadAt for Vec<u8> {
     }
 }
 
-/// Writes to a file from some position on, whatever else is done with its handle.
+/// Writes to a file from some position on, independently of the position of its handle.
 #[derive(Debug)]
 pub struct WriteAt {
     file: File,
@@ -107,15 +107,16 @@ fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
     std::os::windows::fs::FileExt::seek_write(file, bytes, offset)
 }
 
-/// Copies the next bytes of a file, `most` at most and at least one, to where `output` is; gives how many.
+/// Copies some bytes of a file, at least one and `most` at most. Returns how many.
 ///
-/// Between files the system does so without the bytes passing through this program, and without copying them at
-/// all where the file system can share them. It uses the position of the input's handle, so nobody else may.
+/// If the output is a file or a pipe, the kernel does so without the bytes passing through this program, and if the
+/// file system can share them, without copying them at all. This uses the position of the input's handle, which nothing
+/// else may use at the same time.
 ///
 /// # Errors
 /// There are no more bytes, or reading or writing fails.
 pub fn copy(mut input: &File, offset: u64, most: u64, output: &mut impl Write) -> io::Result<u64> {
-    /// What is in memory where the system cannot copy by itself.
+    /// How much is held in memory if the kernel cannot copy.
     const BUFFER: u64 = 1024 * 1024;
     input.seek(SeekFrom::Start(offset))?;
     let mut rest = BufReader::with_capacity(BUFFER.min(most) as usize, input.take(most));
@@ -177,7 +178,7 @@ impl LockedFile {
 }
 
 impl From<File> for LockedFile {
-    /// Of a file that nobody else has, so that it needs no lock.
+    /// A file of this process alone, which needs no lock.
     fn from(file: File) -> Self {
         Self(file)
     }
@@ -192,7 +193,7 @@ impl Deref for LockedFile {
 }
 
 impl Drop for LockedFile {
-    /// Closing is not enough: a process that another thread is just starting has the file open too for a moment.
+    /// Closing is not enough: a process that another thread is just starting has the file open for a moment, too.
     fn drop(&mut self) {
         let _ = self.0.unlock();
     }
@@ -216,7 +217,7 @@ pub fn sync_folder(_file: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Lets whoever may read a log read also what is made of it, as far as the user can grant that.
+/// Gives a file these permissions, as far as the user can grant them.
 pub fn grant(file: &File, permissions: Permissions) -> io::Result<()> {
     match file.set_permissions(permissions) {
         Err(error) if cannot_be_granted(&error) => Ok(()),

@@ -1,7 +1,7 @@
-//! A log in the MCAP container: what it holds, where its bytes lie, and its messages.
+//! A log in the MCAP container: what it contains and where, and its messages.
 //!
 //! A [`Log`] is opened from its summary where that accounts for everything, else by reading it from start to
-//! end. One that comes through a pipe is read [while it is passed on](stream). Either way its messages lie in
+//! end. One that comes through a pipe is read [while it is passed on](stream). Either way its messages are in
 //! [segments](contents::Segment): chunks, or runs of messages outside chunks.
 
 pub mod contents;
@@ -37,7 +37,7 @@ pub use crate::fs::Access;
 pub use error::{ChunkFault, Damage, ForeignFormat, JournalError, ReadError, RecordKind};
 pub use segment::SegmentReader;
 
-/// A longer payload is none that [`Log::first_payloads`] gives.
+/// [`Log::first_payloads`] leaves out longer payloads.
 pub const LONGEST_EXAMPLE: usize = 64 * 1024;
 
 /// An open log.
@@ -47,16 +47,16 @@ pub struct Log {
     pub file: LogFile,
     /// The log's first record: the profile that it follows, the library that wrote it.
     pub header: Header,
-    /// Where the data section ends: its DataEnd record, the footer where there is none, or the end of the
-    /// last whole record of a log that breaks off.
+    /// Where the data section ends: at its DataEnd record, at the footer where there is none, or after the last
+    /// whole record of a log that breaks off.
     pub data_end: u64,
     /// The checksum of the data section, where the log has one.
     pub data_crc: Option<u32>,
-    /// What it holds.
+    /// What it contains.
     pub contents: Contents,
-    /// Why what the log holds had to be found by reading all of it, where it had to.
+    /// Why all of the log had to be read to find out what it contains, where it had to.
     pub scanned: Option<ScanReason>,
-    /// Where a log that was not closed breaks off: bytes from here on, if any, could not be read.
+    /// Where a log that was not closed breaks off. The bytes from here on, if any, could not be read.
     pub breaks_off_at: Option<u64>,
 }
 
@@ -72,7 +72,7 @@ pub enum ScanReason {
 }
 
 impl Log {
-    /// Opens a log for reading and learns what it holds.
+    /// Opens a log for reading and finds out what it contains.
     ///
     /// # Errors
     /// The file cannot be read, is not an MCAP, or is damaged where it is needed.
@@ -80,7 +80,7 @@ impl Log {
         Self::read(LogFile::open(path, Access::Read)?)
     }
 
-    /// Learns what the log in a file holds.
+    /// Finds out what the log in a file contains.
     ///
     /// # Errors
     /// The file cannot be read, is not an MCAP, or is damaged where it is needed.
@@ -107,7 +107,7 @@ impl Log {
         Self::scan(file, header, ending)
     }
 
-    /// Reads the log from start to end, which its `ending` may tell.
+    /// Reads the log from start to end; where that is follows from its `ending`, if it has one.
     fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, ReadError> {
         let end = (ending.as_ref()).map_or(file.length(), |ending| ending.data_end);
         let mut walker = Walker::new(&file, mcap::MAGIC.len() as u64, end);
@@ -129,12 +129,12 @@ impl Log {
             }
         };
         let log = Self::read_to_end(file, header, ending, stop, collector)?;
-        // A summary that agrees with what was found did not tell how to find it.
+        // Even a summary that agrees with what was found was not enough to find it.
         let scanned = log.scanned.or(Some(ScanReason::IncompleteSummary));
         Ok(Self { scanned, ..log })
     }
 
-    /// A log all of whose records were read up to where that stopped, and what was found in them.
+    /// A log whose records were all read, up to where that stopped, and what was found in them.
     fn read_to_end(
         file: LogFile,
         header: Header,
@@ -185,13 +185,13 @@ impl Log {
         })
     }
 
-    /// Whether no bytes of the log were left unread because they make no sense.
+    /// Whether all of the log could be read.
     pub fn is_readable_to_its_end(&self) -> bool {
         self.breaks_off_at
             .is_none_or(|offset| offset == self.file.length())
     }
 
-    /// The Metadata records of one name.
+    /// The Metadata records with one name.
     pub fn metadata(&self, name: &str) -> Result<Vec<Metadata>, ReadError> {
         let named = (self.contents.metadata.iter()).filter(|index| index.record.name == name);
         named.map(|index| self.metadata_at(&index.record)).collect()
@@ -209,8 +209,8 @@ impl Log {
             })
     }
 
-    /// The payloads of the first messages of channels, in the order of the file: at most so many of each, none
-    /// longer than 64 KiB, from the first segment that holds any.
+    /// The payloads of the first messages of channels, in the order of the file: at most that many of each, none
+    /// longer than 64 KiB, from the first segment that has any.
     ///
     /// # Errors
     /// A segment cannot be read or is damaged.
@@ -246,15 +246,15 @@ impl Log {
     }
 }
 
-/// Where reading a log's records one after the other stopped.
+/// Where reading a log record by record stopped.
 enum Stop {
     /// At the DataEnd record, which may have the data section's checksum.
     DataEnd { offset: u64, crc: Option<u32> },
     /// At the footer of a log without a DataEnd record.
     Footer { offset: u64 },
-    /// Where the data section should end, and a record does.
+    /// Where the data section should end, after a whole record.
     End { offset: u64 },
-    /// Before the data section's end, where no whole record is.
+    /// Before the data section's end, where there is no whole record.
     Torn { offset: u64 },
 }
 
@@ -283,7 +283,7 @@ fn read_header(file: &LogFile) -> Result<Header, ReadError> {
     Err(file.damaged(magic_length, Damage::NoHeader))
 }
 
-/// Checks the bytes that a log starts with: as many as the magic bytes are, or all where there are fewer.
+/// Checks the first bytes of a log: as many as there are magic bytes, or all if there are fewer.
 fn check_magic(path: &Path, start: &[u8]) -> Result<(), ReadError> {
     let path = path.to_owned();
     match start {

@@ -81,10 +81,10 @@ impl Options {
         Self { layout, ..self }
     }
 
-    /// Calls `watch` now and then with how far the run is. A run that it breaks ends with an error, and leaves
-    /// everything as it was.
+    /// Calls `watch` with the progress of the run, about twenty times a second or more. If it returns `Break`, the run
+    /// ends with an error and leaves everything as it was.
     ///
-    /// It is called on the run's threads, several of which may do so at the same time.
+    /// It is called from several threads, perhaps at the same time.
     pub fn watch(
         self,
         watch: impl Fn(Progress) -> ControlFlow<()> + Send + Sync + 'static,

@@ -1,11 +1,10 @@
 //! Log + source → samples in time order, whatever their order in the file.
 //!
 //! Segments are read in the order of their earliest message, those of a long log by a few threads that hold one
-//! segment each. A sample is handed on as soon as no unread segment can hold an earlier one, so where segments do not
-//! overlap no more is held than the samples of as many segments. Where they overlap, which logs that were written topic
-//! after topic do completely, samples are held (less than a hundred bytes each), never segments. Where the samples'
-//! times are not log times, nothing tells which segment holds the earliest, so all samples are held until all
-//! segments are read.
+//! segment each. A sample is passed on as soon as no unread segment can have an earlier one, so if segments do not
+//! overlap, only the samples of that many segments are held. If they overlap, completely so in a log that was written
+//! topic after topic, samples are held (less than a hundred bytes each), never segments. If the samples' times are not
+//! log times, it is not known which segment has the earliest, so all samples are held until all segments are read.
 
 mod merge;
 mod workers;
@@ -20,7 +19,7 @@ use crate::{
 pub struct Reader<'a> {
     log: &'a Log,
     source: Source,
-    /// The segments that have telemetry, the one that starts first first.
+    /// The segments that have telemetry, in the order of their starts.
     parts: Vec<Part<'a>>,
 }
 
@@ -33,10 +32,10 @@ struct Part<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Over the samples that `source` finds in `log`.
+    /// For the samples that `source` finds in `log`.
     pub fn new(log: &'a Log, source: Source) -> Self {
         let wanted = source.channel_ids();
-        // Without log times nothing is known of a segment before it is read.
+        // Without log times nothing is known about the times in a segment before it is read.
         let is_in_log_time = source.is_in_log_time();
         let start_of = |(start, _): (u64, u64)| if is_in_log_time { start } else { 0 };
         let mut parts: Vec<Part> = (log.contents.segments.iter())
@@ -57,7 +56,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads all samples. `take` gets them one after the other, each with how many of the
-    /// [bytes](Self::bytes_total) were read by then. Gives the source, and what was dropped.
+    /// [bytes](Self::bytes_total) were read by then. Returns the source, and what was dropped.
     ///
     /// # Errors
     /// The log cannot be read or is damaged, or `take` fails, after which it is not called again.

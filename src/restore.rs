@@ -1,4 +1,4 @@
-//! Undoing: an enriched log → the log that it was made from, byte for byte.
+//! Undoing: an enriched log → the original, byte for byte.
 
 use std::{
     io::Write,
@@ -31,17 +31,17 @@ pub struct Restored {
     pub output: PathBuf,
     /// Bytes of the original.
     pub bytes: u64,
-    /// How the enriched log had been made; absent if a run that was cut short was all there was to undo.
+    /// How the enriched log was made; absent if all there was to undo was an interrupted run.
     pub undone: Option<EarlierRun>,
-    /// Whether a run that was cut short was undone first.
+    /// Whether an interrupted run was undone first.
     pub recovered: bool,
 }
 
-/// Writes what an enriched log was before: to a new file or a stream, or in place.
+/// Writes the original of an enriched log: to a new file or a stream, or in place.
 ///
 /// # Errors
-/// The log is not enriched, the original cannot be recovered from it, or the output cannot be written. No new file is
-/// left then, and a log in place is as it was.
+/// The log is not enriched, the original cannot be recovered from it, or the output cannot be written. Then there is no
+/// new file, and a log in place is as it was.
 pub fn restore<'a>(
     log: impl AsRef<Path>,
     output: impl Into<Output<'a>>,
@@ -84,7 +84,7 @@ fn replace_end(original: &Log, run: &Run) -> Result<(), Stopped> {
 }
 
 fn to_new_file(log: &Path, output: &Path, overwrite: bool, run: &Run) -> Result<Restored, Stopped> {
-    // Looked at first, because opening a log that has no summary reads all of it.
+    // Checked first, because opening a log without a summary reads all of it.
     let destination = Destination::new(Some(log), output, overwrite)?;
     let original = open(log, Access::Read)?;
     let restored = describe(&original, output)?;
@@ -115,7 +115,7 @@ fn write(original: &Log, name: &Path, output: &mut impl Write, run: &Run) -> Res
     let (file, data_end, length) = (&original.file, original.data_end, original.file.length());
     let failed = |source| WriteError::output(name, source);
     run.expect(length);
-    // In two parts, because the system can copy the first one by itself.
+    // In two parts, because the kernel can copy the first one.
     for part in [0..data_end, data_end..length] {
         copy_range(file, part, output, failed, |done| run.copied(done))?;
     }

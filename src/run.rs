@@ -1,5 +1,5 @@
-//! What every run has, whether it enriches a log or restores one: an input and an output, perhaps somebody who
-//! watches it, and an end.
+//! What all runs have in common, whether they enrich a log or restore one: input and output, progress, cancelling, and
+//! the error at the end.
 
 mod error;
 mod input;
@@ -29,20 +29,20 @@ use crate::{
     writer::WriteError,
 };
 
-/// How often whoever watches a run is asked, whatever its threads wait for.
+/// How often the watcher is asked while the run's threads may be waiting for something.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// What the threads of a run share: how far it is, and whether it goes on.
+/// What the threads of a run share: how far it is, and whether it continues.
 ///
-/// There is one way to end a run early: [`cancel`](Self::cancel). No thread is told; each looks now and then, and ends
-/// its work with [`Cancelled`]. Why the run was cancelled is kept here, once, so that threads need not make up errors
-/// and the first thing that went wrong is the one that is reported.
+/// A run ends early in one way only: it is cancelled, by its watcher or because something went wrong on one of its
+/// threads. Each thread checks now and then whether it is, and then ends its work with [`Cancelled`]. The reason is
+/// kept here, so no thread has to invent an error, and the error that is reported is the first one.
 pub(crate) struct Run<'a> {
     watch: &'a Watch,
-    /// What is written to, and what an interrupted run leaves there.
+    /// The output's name, and what an interrupted run leaves there.
     output: PathBuf,
     left: Left,
-    /// In bytes, as are those below: of the telemetry, and of what is copied of the log.
+    /// Bytes to read of the telemetry and to copy of the log, so far as they are known; and those done.
     total: AtomicU64,
     read: AtomicU64,
     copied: AtomicU64,
@@ -52,13 +52,13 @@ pub(crate) struct Run<'a> {
 
 /// Why a run is cancelled.
 enum Reason {
-    /// Whoever watches it wants no more of it.
+    /// The watcher ended it.
     Interrupted,
     /// Something went wrong on one of its threads.
     Failed(Error),
 }
 
-/// The run is cancelled, for a reason that it keeps itself.
+/// The run is cancelled, for the reason that it keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the run is cancelled")]
 pub(crate) struct Cancelled;
@@ -101,17 +101,20 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Does the work of the run, and meanwhile asks whoever watches it. Gives the error that the run ends with.
+    /// Does the work of a run, with a thread beside it that regularly asks the watcher.
     ///
-    /// The threads that work ask as well, each time they have done something. But all of them may be waiting for a
-    /// disk, or for the other end of a pipe, so one thread does nothing else.
+    /// The working threads ask it as well, each time they have done something. But all of them may be waiting, for a
+    /// disk or for the other end of a pipe, and even then a progress bar is to move and the user is to be heard.
+    ///
+    /// # Errors
+    /// The error of the work, or the one for which the run was cancelled.
     pub fn attend<T>(&self, work: impl FnOnce() -> Result<T, Stopped>) -> Result<T, Error> {
         let work = || work().map_err(|stopped| self.explain(stopped));
-        if !self.watch.is_anybody() {
+        if !self.watch.is_on() {
             return work();
         }
         thread::scope(|scope| {
-            // Closed when the work has ended, however it does.
+            // Closed when the work ends, even by a panic, which ends the thread at once.
             let (_working, is_over) = mpsc::channel::<()>();
             scope.spawn(move || {
                 while is_over.recv_timeout(GLANCE) == Err(RecvTimeoutError::Timeout) {
@@ -122,18 +125,18 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// There is more to do than was known: that many bytes.
+    /// Adds bytes that are to be done.
     pub fn expect(&self, bytes: u64) {
         self.total.fetch_add(bytes, Relaxed);
     }
 
-    /// That many bytes of the telemetry are read.
+    /// Notes how many bytes of the telemetry have been read.
     pub fn read(&self, bytes: u64) {
         self.read.store(bytes, Relaxed);
         self.ask();
     }
 
-    /// That many bytes of the log are copied.
+    /// Notes how many bytes of the log have been copied. Returns whether to continue.
     pub fn copied(&self, bytes: u64) -> ControlFlow<()> {
         self.copied.store(bytes, Relaxed);
         self.ask();
@@ -143,7 +146,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// A change of the log in place has come to a step, after each of which it is too late, or too early, to end.
+    /// Reports a step of a change in place. The watcher cannot end the run there.
     pub fn reached(&self, step: JournalStep) {
         self.watch.reached(step);
     }
@@ -158,7 +161,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Whether to go on. This is cheap enough to be asked for each sample.
+    /// Whether to continue. This is cheap enough to be checked for each sample.
     pub fn go_on(&self) -> Result<(), Cancelled> {
         match self.is_cancelled.load(Relaxed) {
             false => Ok(()),
@@ -166,7 +169,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Ends the run early because of what went wrong on a thread that nobody waits for yet.
+    /// Cancels the run because of an error on a thread that is not joined yet.
     pub fn fail(&self, error: Error) {
         self.cancel(Reason::Failed(error));
     }
@@ -177,8 +180,9 @@ impl<'a> Run<'a> {
         self.is_cancelled.store(true, Relaxed);
     }
 
-    /// Cancels the run when the result is dropped. Nothing is lost by that where all has been done, and otherwise,
-    /// be it after an error or a panic, no other thread goes on with what is of no use any more.
+    /// Returns a guard that cancels the run when it is dropped. If all work is done by then, that changes nothing. If
+    /// it is dropped because of an error or a panic, the other threads do not continue with work that is of no use any
+    /// more.
     pub fn cancel_at_end(&self) -> impl Drop {
         struct AtEnd<'a>(&'a AtomicBool);
         impl Drop for AtEnd<'_> {
@@ -189,7 +193,7 @@ impl<'a> Run<'a> {
         AtEnd(&self.is_cancelled)
     }
 
-    /// Brings a log back to what it was before a change in place. Gives what the run ends with.
+    /// Undoes a change in place, and adds the error of that, if there is one, to the reason for it.
     pub fn roll_back(&self, journal: Journal, stopped: Stopped) -> Stopped {
         let path = journal.log_path().to_owned();
         let cause = self.explain(stopped);
@@ -204,7 +208,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The error that the run ends with.
+    /// The error for which a thread ended its work.
     pub fn explain(&self, stopped: Stopped) -> Error {
         let reason = || {
             let mut reason = self.reason.lock().unwrap_or_else(PoisonError::into_inner);

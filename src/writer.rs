@@ -1,9 +1,9 @@
 //! Derived values → channels added to a log.
 //!
-//! By default they are [appended](Appender): the log's bytes up to the end of its data section stay as they are.
-//! Behind them come the new messages, a Metadata record that says how they were made, the log's original end as an
-//! attachment, and one summary of the whole. Nothing that the log held is lost, and all of it can be undone
-//! ([`original`]). Or they are [interleaved](Interleaver): among the log's chunks, for readers that use no index.
+//! By default they are [appended](Appender): the log's bytes up to the end of its data section stay as they are. They
+//! are followed by the new messages, a Metadata record that says how they were made, the log's original end as an
+//! attachment, and one summary of everything. Nothing is lost of the log, and all of it can be undone ([`original`]).
+//! Or they are [interleaved](Interleaver): among the log's chunks, for readers that use no index.
 
 pub mod destination;
 pub mod original;
@@ -27,20 +27,20 @@ use serde::Serialize;
 
 use crate::derived::{Derived, Quantity};
 
-/// Where in the log the new messages lie.
+/// Where in the log the new messages are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layout {
-    /// Behind the log's data, of which no byte changes, so that it can be undone.
+    /// After the log's data, of which no byte changes, so that it can be undone.
     #[default]
     Append,
-    /// Behind each of the log's chunks what was derived from its time, for readers that use no index. It cannot be
+    /// After each of the log's chunks what was derived from its time, for readers that use no index. It cannot be
     /// undone.
     Interleaved,
 }
 
 impl Layout {
-    /// What the user calls it.
+    /// Its name on the command line and in the log's Metadata record.
     pub fn name(self) -> &'static str {
         match self {
             Self::Append => "append",
@@ -71,10 +71,10 @@ pub struct Written {
     pub messages: BTreeMap<Quantity, u64>,
     /// Log times of the earliest and the latest of them.
     pub times: Option<(u64, u64)>,
-    /// Bytes of the log that stayed as they were.
+    /// Bytes of the log that are in the result unchanged.
     pub kept: u64,
     /// Bytes of the result.
     pub length: u64,
-    /// Whether the log's data was found not to have the checksum that the log says. The result has none then.
+    /// Whether the log's data does not have the checksum that the log says. Then the result has none.
     pub checksum_was_wrong: bool,
 }

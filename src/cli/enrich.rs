@@ -19,7 +19,7 @@ use super::{
     progress::Bar,
     report::describe,
     telemetry::{EXAMPLES, TelemetryArguments},
-    words, wrong_arguments,
+    to_json, words, wrong_arguments,
 };
 
 const USUAL: &str = "\
@@ -187,10 +187,7 @@ impl Arguments {
 
     fn print(&self, report: &Report) {
         let text = match (self.json, self.quiet) {
-            (true, _) => {
-                let json = serde_json::to_string_pretty(report);
-                Some(json.expect("a report has only string keys"))
-            }
+            (true, _) => Some(to_json(report)),
             (false, false) => Some(describe(report)),
             (false, true) => None,
         };

@@ -8,10 +8,10 @@ use std::{
 
 use flightcam::{Error, Input, Output, log::ReadError};
 
-/// What stands for them on the command line.
+/// Their name on the command line.
 const NAME: &str = "-";
 
-/// Whether a path stands for a pipe.
+/// Whether a path is that of a pipe.
 pub fn is_pipe(path: &Path) -> bool {
     path.as_os_str() == NAME
 }

@@ -9,7 +9,7 @@ use flightcam::{
 };
 use indicatif::HumanCount;
 
-use super::{Exit, print_result, progress::Bar};
+use super::{Exit, print_result, progress::Bar, to_json};
 
 /// Turn an enriched log back into the original, byte for byte
 ///
@@ -50,8 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     bar.clear();
     let restored = restored?;
     if arguments.json {
-        let json = serde_json::to_string_pretty(&restored);
-        print_result(&json.expect("a report has only string keys"));
+        print_result(&to_json(&restored));
     } else if !arguments.quiet {
         print_result(&describe(&restored));
     }

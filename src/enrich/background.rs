@@ -1,4 +1,4 @@
-//! What is done beside the caller's thread while a new file is written.
+//! Threads that copy a log to a new file, and that file to the disk, while other work is done.
 
 use std::{
     fs::File,
@@ -14,7 +14,7 @@ use crate::{
     writer::{WriteError, copy::copy_range},
 };
 
-/// A thread that nobody waits for before the end. What goes wrong on it cancels the run.
+/// A thread that is joined at the end of a run. An error on it cancels the run.
 pub struct Background<'scope>(ScopedJoinHandle<'scope, ()>);
 
 impl<'scope> Background<'scope> {
@@ -33,7 +33,7 @@ impl<'scope> Background<'scope> {
     /// Waits for its end.
     ///
     /// # Errors
-    /// The run is cancelled, perhaps because of what went wrong here.
+    /// The run is cancelled, perhaps because of an error on this thread.
     pub fn join(self, run: &Run) -> Result<(), Stopped> {
         let Self(thread) = self;
         thread
@@ -43,11 +43,11 @@ impl<'scope> Background<'scope> {
     }
 }
 
-/// Lets the thread that brings a file to the disk know that there is more of it. That thread ends when this is dropped.
+/// Tells a thread that flushes a file to the disk when there is more of it. The thread ends when this is dropped.
 pub struct Flusher(SyncSender<()>);
 
 impl Flusher {
-    /// Starts the thread. What is on the disk already need not be waited for when the file is complete.
+    /// Starts the thread. What it has flushed need not be waited for when the file is complete.
     ///
     /// # Errors
     /// The system has no handle left.
@@ -58,9 +58,9 @@ impl Flusher {
         run: &'scope Run,
     ) -> io::Result<(Self, Background<'scope>)> {
         let file = file.try_clone()?;
-        // One is enough: a flush that has not begun brings all that there is by then.
+        // Room for one is enough: a flush that has not started yet will include everything written until then.
         let (more, to_flush) = mpsc::sync_channel(1);
-        // The system tells of an error only once, so it must not be lost.
+        // The system reports an error of flushing only once, so it must not be lost.
         let flush = move || {
             let flushed = to_flush.iter().try_for_each(|()| file.sync_data());
             Ok(flushed.map_err(|source| WriteError::output(&path, source))?)
@@ -74,7 +74,7 @@ impl Flusher {
     }
 }
 
-/// Starts to copy a log's data to the start of a new file, whose handle's position is moved on by this.
+/// Starts a thread that copies a log's data to the start of a new file. It moves the position of the file's handle.
 ///
 /// # Errors
 /// The system has no handle left.

@@ -1,4 +1,4 @@
-//! Samples → derived values, on a thread of its own.
+//! Reading the telemetry and deriving values from it, on a thread of its own.
 
 use std::{
     mem, panic,
@@ -19,23 +19,24 @@ use crate::{
     transform::{Outcome, Transform},
 };
 
-/// How many values are handed over at once: enough that the threads seldom wait for each other's lock.
+/// How many values are handed over at once, so that handing over costs little for each of them.
 const BATCH: usize = 1024;
 
-/// How many batches may wait to be taken. While the sink compresses a chunk, which takes as long as deriving a few
-/// batches, the job need not stop; more would only fill memory, because in the long run the slower of the two decides.
+/// How many batches may wait for the sink, so that the job continues while the sink compresses a chunk, which takes as
+/// long as deriving a few batches. More room would only use memory, because in the long run the slower side determines
+/// the speed.
 const BATCHES: usize = 4;
 
-/// Reading a log's telemetry and deriving what follows from it. As an iterator it gives the derived values in
-/// batches, up to the last or until something goes wrong, which [`finish`](Self::finish) tells.
+/// The thread that reads a log's telemetry and derives values from it. As an iterator it yields the values in batches.
+/// It ends with the last one, or earlier if something goes wrong; [`finish`](Self::finish) returns which.
 pub struct Job<'scope> {
     batches: Receiver<Vec<Derived>>,
     thread: ScopedJoinHandle<'scope, Result<Derivation, Stopped>>,
 }
 
-/// What is known once all telemetry is read.
+/// What is known when all telemetry has been read.
 pub struct Derivation {
-    /// Where the telemetry is, and what its messages taught of that.
+    /// Where the telemetry is, and what was noticed in its messages.
     pub source: Source,
     /// The samples that the reader dropped.
     pub dropped: Tallies,
@@ -53,7 +54,7 @@ impl Derivation {
 }
 
 impl<'scope> Job<'scope> {
-    /// Starts the thread. It ends when the job is dropped, because then nobody takes its batches any more.
+    /// Starts the thread. If the job is dropped, the thread ends, because it cannot send any more.
     pub fn start<'env>(
         scope: &'scope Scope<'scope, 'env>,
         log: &'env Log,
@@ -72,7 +73,7 @@ impl<'scope> Job<'scope> {
         }
     }
 
-    /// Hands all batches that are left to a sink.
+    /// Passes all remaining batches to a sink.
     ///
     /// # Errors
     /// Those of the sink, and those of [`finish`](Self::finish).
@@ -83,12 +84,12 @@ impl<'scope> Job<'scope> {
         self.finish()
     }
 
-    /// What is known once all telemetry is read.
+    /// Waits for the thread's end.
     ///
     /// # Errors
     /// The log cannot be read, or the run is cancelled.
     pub fn finish(self) -> Result<Derivation, Stopped> {
-        // A thread that waits for room in the channel is to notice that nobody takes anything any more.
+        // If the thread waits for room in the channel, this wakes it.
         drop(self.batches);
         let result = self.thread.join();
         result.unwrap_or_else(|panic| panic::resume_unwind(panic))
@@ -103,7 +104,7 @@ impl Iterator for Job<'_> {
     }
 }
 
-/// Reads, derives and hands over.
+/// The work of the job's thread.
 fn derive(
     reader: Reader,
     mut transform: Transform,
@@ -111,8 +112,8 @@ fn derive(
     run: &Run,
 ) -> Result<Derivation, Stopped> {
     let total = reader.bytes_total();
-    // Waits while there is no room. That there will be none ever again is no error of this thread: whoever took the
-    // batches has one, or wants no more.
+    // Sending waits while there is no room. It fails when the receiver is dropped. That is not an error of this thread:
+    // the other side has one, or does not want any more.
     let hand_over = |derived: &mut Vec<Derived>, bytes_read| {
         batches.send(mem::take(derived)).map_err(|_| Cancelled)?;
         run.read(bytes_read);
@@ -120,7 +121,7 @@ fn derive(
     };
     let mut derived = Vec::with_capacity(BATCH);
     let (source, dropped) = reader.for_each(|sample, bytes_read| {
-        // Asked for each sample, because many may come of which nothing follows.
+        // Checked for each sample, because nothing may follow from many of them.
         run.go_on()?;
         transform.push(sample, &mut derived);
         match derived.len() < BATCH {

@@ -17,19 +17,19 @@ pub struct LogSink<'scope> {
     pub run: &'scope Run<'scope>,
 }
 
-/// How a result becomes one that lasts, once all is written.
+/// What remains to be done when everything has been written.
 pub enum Completion<'scope> {
-    /// A new file gets its name.
+    /// A new file is synced and gets its name.
     NewFile {
         pending: Pending,
-        /// The log's data is copied to the file, if the writer does not do that.
+        /// Copies the log's data to the file, unless the writer does.
         copy: Option<Background<'scope>>,
-        /// The file is brought to the disk. This ends when nobody has more for it, the copy or else the writer.
+        /// Flushes the file to the disk, until the copy, or else the writer, is done.
         flush: Background<'scope>,
     },
-    /// A log that is changed in place loses its journal.
+    /// A log that was changed in place is synced, and its journal removed.
     InPlace(Journal<'scope>),
-    /// A stream has got all of it.
+    /// Nothing.
     Stream,
 }
 
@@ -77,7 +77,8 @@ impl LogSink<'_> {
         }
     }
 
-    /// Leaves the log's file as it was, and no new file. Gives what the run ends with.
+    /// Removes a new file, or restores a log that was changed in place. Returns the reason, with the error of that
+    /// added to it if there is one.
     pub fn abandon(self, stopped: Stopped) -> Stopped {
         match self.completion {
             Completion::InPlace(journal) => self.run.roll_back(journal, stopped),

@@ -1,11 +1,11 @@
-//! What a run is going to do with a log: all that has to be known before its telemetry is read.
+//! What has to be decided before a log's telemetry is read.
 
 use crate::{
     camera::Camera, error::Error, log::Log, messages::Format, options::Options,
     report::EncodingReport, sample::Kind, source::Source,
 };
 
-/// What a run is going to do with a log.
+/// Where the telemetry is, what is derived from it, and how that is written.
 pub struct Plan {
     /// Where the telemetry is.
     pub source: Source,
@@ -13,7 +13,7 @@ pub struct Plan {
     pub camera: Camera,
     /// How derived values are written.
     pub format: Format,
-    /// Why so.
+    /// Why this encoding.
     pub encoding: EncodingReport,
 }
 
@@ -21,7 +21,7 @@ impl Plan {
     /// Finds the telemetry of a log, and chooses the camera and the encoding.
     ///
     /// # Errors
-    /// There is none, it is ambiguous, or it does not go with the options.
+    /// There is no telemetry, it is ambiguous, or it contradicts the options.
     pub fn new(log: &Log, options: &Options) -> Result<Self, Error> {
         let source = Source::select(log, &options.telemetry)?;
         let camera = options.camera(&source)?;

@@ -1,5 +1,5 @@
-//! Enriching a log that comes through a pipe, in one pass: it is passed on while it comes, and what follows from its
-//! telemetry, which is spooled meanwhile, is appended to it.
+//! Enriching a log that comes through a pipe, in one pass: it is passed on while it comes and its telemetry is spooled;
+//! then what is derived is appended.
 
 use std::{
     io::{self, Read, Write},
@@ -28,15 +28,15 @@ use crate::{
 /// A log that comes through a pipe.
 type Input<'a> = Named<'a, Box<dyn Read + 'a>>;
 
-/// A log that was passed on, up to the end of its data section.
+/// A log that has been passed on, up to the end of its data section.
 struct PassedOn {
     original: Original,
-    /// A log that has its telemetry.
+    /// A log with its telemetry.
     telemetry: Log,
 }
 
-/// Passes a log on to where the result goes, and appends the camera's channels to it there. Where nothing can be
-/// appended, a stream gets the log as it is.
+/// Passes a log on to the output and appends the camera's channels. If nothing can be appended, a stream gets the log
+/// as it is.
 pub fn enrich(
     input: Input,
     output: Output,
@@ -65,7 +65,7 @@ pub fn enrich(
     }
 }
 
-/// From stream to stream. What follows in a pipe gets a whole log, if not a whole result.
+/// From stream to stream. Even if there is no result, the next program in the pipe gets a complete log.
 fn enrich_onward(
     input: Input,
     name: &Path,
@@ -74,7 +74,7 @@ fn enrich_onward(
     run: &Run,
 ) -> Result<Report, Stopped> {
     let passed = pass_on(input, name, &mut *output, options, run)?;
-    let mut output = Noticing {
+    let mut output = Noting {
         stream: output,
         is_written_to: false,
     };
@@ -95,7 +95,7 @@ fn enrich_onward(
     })
 }
 
-/// A log that has the telemetry of one that comes through a pipe.
+/// A log with the telemetry of one that comes through a pipe.
 pub fn telemetry(input: Input, options: &Options, run: &Run) -> Result<Log, Stopped> {
     let name = input.name;
     Ok(pass_on(input, name, io::sink(), options, run)?.telemetry)
@@ -134,7 +134,7 @@ fn pass_on(
     })
 }
 
-/// Appends the camera's channels to a log that was passed on.
+/// Appends the camera's channels to a log that has been passed on.
 fn append(
     passed: &PassedOn,
     name: &Path,
@@ -165,19 +165,19 @@ impl<R: Read> Read for Watched<'_, R> {
         let read = self.stream.read(buffer)?;
         self.read += read as u64;
         self.run.expect(read as u64);
-        // Whether to go on is asked before the next bytes are waited for.
+        // Whether to continue is checked before waiting for the next bytes.
         let _ = self.run.copied(self.read);
         Ok(read)
     }
 }
 
-/// A stream that notices whether it is written to.
-struct Noticing<'a, W> {
+/// A stream that notes whether it has been written to.
+struct Noting<'a, W> {
     stream: &'a mut W,
     is_written_to: bool,
 }
 
-impl<W: Write> Write for Noticing<'_, W> {
+impl<W: Write> Write for Noting<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.is_written_to = true;
         self.stream.write(bytes)

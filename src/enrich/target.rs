@@ -1,4 +1,4 @@
-//! Where a result goes: from what the caller asks for to a sink.
+//! Where a result goes: checking it first, and making a sink of it later.
 
 use std::{
     fs::File,
@@ -24,7 +24,7 @@ use crate::{
     },
 };
 
-/// Where a result goes, and how it is laid out. It is checked, and not created before there is something to write.
+/// Where a result goes, and in which layout. It is checked early, and created only when there is something to write.
 pub struct Target<'a> {
     medium: Medium<'a>,
     layout: Layout,
@@ -43,7 +43,7 @@ enum Medium<'a> {
         name: PathBuf,
         stream: Box<dyn Write + 'a>,
     },
-    /// A stream, or a new file, that has got the log's data already.
+    /// A stream or a new file that the log's data has been passed on to already.
     AfterData {
         name: PathBuf,
         stream: &'a mut dyn Write,
@@ -51,10 +51,10 @@ enum Medium<'a> {
 }
 
 impl<'a> Target<'a> {
-    /// Where the result of a log goes, whose path is known if it is in a file.
+    /// Checks an output; `log` is the path of the input, if it is a file.
     ///
     /// # Errors
-    /// It cannot go there.
+    /// The result cannot go there.
     pub fn new(log: Option<&Path>, output: Output<'a>, layout: Layout) -> Result<Self, Error> {
         let medium = match output {
             Output::File { path, overwrite } => {
@@ -71,7 +71,7 @@ impl<'a> Target<'a> {
         Ok(Self { medium, layout })
     }
 
-    /// What has got the log's data already, and takes what is appended to that.
+    /// A stream or a new file that the log's data has been passed on to already.
     pub fn after_data(name: &Path, stream: &'a mut dyn Write) -> Self {
         let name = name.into();
         Self {
@@ -80,7 +80,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// How the log's file is to be opened.
+    /// How the log's file has to be opened.
     pub fn access(&self) -> Access {
         match self.medium {
             Medium::InPlace { .. } => Access::Change,
@@ -88,7 +88,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// What reports and errors call it.
+    /// Its name in reports and errors.
     pub fn name(&self) -> &Path {
         match &self.medium {
             Medium::NewFile(destination) => destination.path(),
@@ -99,7 +99,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// How many bytes of the log are to be copied there.
+    /// How many bytes of the log have to be copied there.
     pub fn bytes_to_copy(&self, log: &Log) -> u64 {
         match self.medium {
             Medium::NewFile(_) | Medium::Handle { .. } | Medium::Stream { .. } => log.data_end,
@@ -107,7 +107,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// Creates what takes derived values, and writes them there.
+    /// Creates the output, and a sink that writes to it.
     ///
     /// # Errors
     /// It cannot be created or written to, or the log cannot be read.
@@ -141,7 +141,7 @@ impl<'a> Target<'a> {
 
 type BoxedWriter<'w> = Box<dyn LogWriter + 'w>;
 
-/// Into a new file. In the layout `append` the system copies the log there while its telemetry is read.
+/// To a new file. In the layout `append` the kernel copies the log there while its telemetry is read.
 fn new_file<'scope>(
     scope: &'scope Scope<'scope, '_>,
     log: &'scope Log,
@@ -158,7 +158,7 @@ fn new_file<'scope>(
     let (writer, copy) = match layout {
         Layout::Append => {
             let copy = background::copy(scope, log, file, path(), flusher, run).map_err(failed)?;
-            // Where it writes does not depend on how far the copy is.
+            // It writes by position, so it does not have to wait for the copy.
             let out = WriteAt::new(file, log.data_end).map_err(failed)?;
             (append(log, out, path(), format)?, Some(copy))
         }
@@ -183,7 +183,7 @@ fn new_file<'scope>(
     })
 }
 
-/// Over the end of the log in its own file, of which a journal is made first.
+/// To the log's own file, whose end is saved in a journal first.
 fn in_place<'scope>(
     log: &'scope Log,
     format: Format,
@@ -205,7 +205,7 @@ fn in_place<'scope>(
     }
 }
 
-/// Into a stream, which in the layout `append` gets the log first.
+/// To a stream, which in the layout `append` gets the log first.
 fn into_stream<'w, W: Write + 'w>(
     log: &'w Log,
     mut stream: W,

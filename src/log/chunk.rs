@@ -13,7 +13,7 @@ use super::{
 /// More than any recorder puts into a chunk. A chunk that claims more is refused before it fills the memory.
 const MAX_CONTENT: u64 = 1 << 30;
 
-/// Content that does not compress becomes a little longer. Nor is any other record longer that is of use as a whole.
+/// Content that does not compress becomes a little longer. No other record that is needed as a whole is longer.
 pub const MAX_RECORD: u64 = MAX_CONTENT + MAX_CONTENT / 64;
 
 /// Reads chunks, reusing its buffers from one to the next.
@@ -23,7 +23,7 @@ pub struct ChunkReader {
     decoder: ChunkDecoder,
 }
 
-/// Gives the content of chunks that are in memory, reusing its buffers from one to the next.
+/// Decompresses chunks that are in memory, reusing its buffers from one to the next.
 #[derive(Default)]
 pub struct ChunkDecoder {
     zstd: Option<zstd::bulk::Decompressor<'static>>,
@@ -31,7 +31,7 @@ pub struct ChunkDecoder {
 }
 
 impl ChunkReader {
-    /// The header of the chunk whose record lies at `offset`, and the records that it holds, checked against
+    /// The header of the chunk whose record is at `offset`, and the records that it contains, checked against
     /// its length and, where it has one, its checksum.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl ChunkReader {
     }
 }
 
-/// Refuses a record that is longer than that of any chunk, so that nobody needs to read it.
+/// Refuses a record that is too long for a chunk before it is read.
 pub fn check_length(length: u64) -> Result<(), ChunkFault> {
     match length {
         0..=MAX_RECORD => Ok(()),
@@ -65,7 +65,7 @@ pub fn check_length(length: u64) -> Result<(), ChunkFault> {
     }
 }
 
-/// The header of a chunk, from the body of its record, and what is compressed in it.
+/// The header of a chunk, from the body of its record, and its compressed content.
 fn split(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
     match mcap::parse_record(op::CHUNK, body).ok()? {
         Record::Chunk {
@@ -77,7 +77,7 @@ fn split(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
 }
 
 impl ChunkDecoder {
-    /// The header of a chunk, from the body of its record, and the records that it holds, checked against its
+    /// The header of a chunk, from the body of its record, and the records that it contains, checked against its
     /// length and, where it has one, its checksum.
     pub fn records<'a>(
         &'a mut self,
@@ -106,7 +106,7 @@ impl ChunkDecoder {
             }
             "lz4" => {
                 self.reserve(header.uncompressed_size)?;
-                // One byte more than there should be tells a longer content from a right one.
+                // Reading one byte more than there should be detects longer content.
                 lz4::Decoder::new(compressed)?
                     .take(header.uncompressed_size.saturating_add(1))
                     .read_to_end(&mut self.content)?;

@@ -1,4 +1,4 @@
-//! What a log holds: the merged knowledge of its summary and of what was scanned.
+//! What a log contains, according to its summary and to what was scanned.
 
 use std::{
     collections::{BTreeMap, BTreeSet, btree_map::Entry},
@@ -16,21 +16,21 @@ use super::record::{Raw, parse};
 pub struct Contents {
     /// The schemas and channels that are defined.
     pub definitions: Definitions,
-    /// Where the messages lie, in the order of the file.
+    /// Where the messages are, in the order of the file.
     pub segments: Vec<Segment>,
-    /// Where the attachments lie.
+    /// Where the attachments are.
     pub attachments: Vec<Raw<AttachmentIndex>>,
-    /// Where the Metadata records lie.
+    /// Where the Metadata records are.
     pub metadata: Vec<Raw<MetadataIndex>>,
-    /// Counted over what is listed here, whatever the log's own said.
+    /// Counted over what is listed here, regardless of the log's own.
     pub statistics: Statistics,
     /// Channel ids that the log's summary mentions, though perhaps nothing else does.
     pub mentioned_channel_ids: BTreeSet<u16>,
-    /// Records of the summary section whose meaning this program does not know: opcode and body.
+    /// Records of the summary section of unknown kinds: opcode and body.
     pub unknown_summary: Vec<(u8, Vec<u8>)>,
 }
 
-/// Schemas and channels by their ids; of several records with one id, the first.
+/// Schemas and channels by id; of several records with the same id, the first.
 #[derive(Debug, Clone, Default)]
 pub struct Definitions {
     /// By id.
@@ -67,7 +67,7 @@ impl Definitions {
 pub struct SchemaRecord {
     /// Not 0, which means "no schema".
     pub id: u16,
-    /// What the channel's message type is called in it.
+    /// The name of the channel's message type.
     pub name: String,
     /// In which language it is written: `protobuf`, `jsonschema`, …
     pub encoding: String,
@@ -80,7 +80,7 @@ impl SchemaRecord {
     /// Reads the body of a schema record; `None` if it breaks off.
     pub fn parse(body: &[u8]) -> Option<Self> {
         let header: SchemaHeader = parse(body).ok()?;
-        // Both strings are prefixed with their lengths, and so is the data behind them.
+        // Both strings are prefixed with their lengths, and so is the data after them.
         let prefix = 2 + 4 + header.name.len() + 4 + header.encoding.len();
         let (length, data) = body.get(prefix..)?.split_first_chunk()?;
         let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
@@ -95,7 +95,7 @@ impl SchemaRecord {
         })
     }
 
-    /// Whether both are the same schema, whatever else their records may say.
+    /// Whether both are the same schema, apart from their ids and any fields that later versions of the format add.
     pub fn defines_the_same(&self, other: &Self) -> bool {
         (&self.name, &self.encoding, self.data()) == (&other.name, &other.encoding, other.data())
     }
@@ -106,14 +106,14 @@ impl SchemaRecord {
     }
 }
 
-/// A stretch of the file that holds messages: a chunk, or a run of messages outside chunks.
+/// A part of the file that contains messages: a chunk, or a run of messages outside chunks.
 #[derive(Debug, Clone)]
 pub struct Segment {
     /// Where its first record starts.
     pub offset: u64,
     /// Bytes from there to the end of its last record (message indexes not included).
     pub length: u64,
-    /// Log times of its earliest and latest message; `None` where it has no message.
+    /// Log times of its earliest and latest message; `None` if it has no message.
     pub times: Option<(u64, u64)>,
     /// Messages by channel id.
     pub message_counts: BTreeMap<u16, u64>,
@@ -136,8 +136,8 @@ pub enum SegmentKind {
     Chunk {
         /// Its record in the summary.
         index: Raw<ChunkIndex>,
-        /// Whether message indexes lie in the log for all of the chunk's messages. Where they do not, the
-        /// chunk index points to none.
+        /// Whether the log has message indexes for all of the chunk's messages. If it does not, the chunk index
+        /// points to none.
         is_indexed: bool,
     },
     /// Messages outside chunks. No index can point to them.
@@ -145,14 +145,14 @@ pub enum SegmentKind {
 }
 
 impl Contents {
-    /// Whether messages lie outside chunks. Readers that find a chunk index look nowhere else.
+    /// Whether there are messages outside chunks. Readers that find a chunk index look nowhere else.
     pub fn has_loose_messages(&self) -> bool {
         self.segments
             .iter()
             .any(|segment| matches!(segment.kind, SegmentKind::Loose))
     }
 
-    /// The channel ids that stand anywhere in the log.
+    /// The channel ids that occur anywhere in the log.
     pub fn channel_ids(&self) -> BTreeSet<u16> {
         let segments = self.segments.iter().flat_map(|s| s.message_counts.keys());
         self.definitions
@@ -164,7 +164,7 @@ impl Contents {
             .collect()
     }
 
-    /// The schema ids that stand anywhere in the log.
+    /// The schema ids that occur anywhere in the log.
     pub fn schema_ids(&self) -> BTreeSet<u16> {
         let named = self
             .definitions
@@ -180,7 +180,7 @@ impl Contents {
             .collect()
     }
 
-    /// The schema of a channel; `None` where it has none or names one that the log does not hold.
+    /// The schema of a channel; `None` if it has none or names one that the log does not contain.
     pub fn schema_of(&self, channel: &Channel) -> Option<&SchemaRecord> {
         self.definitions.schemas.get(&channel.schema_id)
     }
@@ -194,7 +194,7 @@ impl Contents {
         })
     }
 
-    /// Statistics of what is listed here, whatever the log's own said.
+    /// Statistics of what is listed here, regardless of the log's own.
     pub fn recount(&self) -> Statistics {
         let mut counts = BTreeMap::new();
         for (&id, &count) in self.segments.iter().flat_map(|s| &s.message_counts) {

@@ -51,7 +51,7 @@ pub enum ReadError {
     Journal(#[from] JournalError),
 }
 
-/// Why a log cannot be changed in place, or not be brought back to what it was before a change.
+/// Why a log cannot be changed in place, or an interrupted change of it not undone.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 // What each variant and field is, its message says.
@@ -76,7 +76,7 @@ pub enum JournalError {
     },
 }
 
-/// How a log's bytes differ from what the format says, at the offset that goes with it.
+/// How a log violates the format, at the offset in [`ReadError::Damaged`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 // What each variant and field is, its message says.

@@ -15,24 +15,24 @@ use crate::fs::{Access, LockedFile, OpenError, ReadAt};
 
 /// A log's bytes: those of a file, or of anything else that can be read by position. Several readers can share them.
 ///
-/// As long as a file is open nobody changes it in place: it holds a shared lock, or the exclusive one of whoever
-/// is about to change it.
+/// While a file is open, no other run changes it in place: it is locked, exclusively if this run is about to change
+/// it.
 #[derive(Debug)]
 pub struct LogFile {
     path: PathBuf,
     bytes: Bytes,
-    /// What stands in place of the bytes from some position on.
+    /// What replaces the bytes from some position on.
     tail: Option<Tail>,
     length: u64,
-    /// Whether a change that was cut short was undone first.
+    /// Whether an interrupted change was undone first.
     recovered: bool,
 }
 
 #[derive(Debug)]
 enum Bytes {
-    /// Of a file, which the system can also copy by itself, and which can be changed in place.
+    /// In a file, from which the kernel can copy, and which can be changed in place.
     File(LockedFile),
-    /// Of what can only be read.
+    /// In something that can only be read.
     Other(Box<dyn ReadAt>),
 }
 
@@ -43,19 +43,19 @@ struct Tail {
 }
 
 impl LogFile {
-    /// Opens and locks a file. If a change of it was cut short, that is undone first.
+    /// Opens and locks a file. If a change of it was interrupted, that is undone first.
     ///
     /// # Errors
     /// The file does not exist, is not a regular file, cannot be opened, or is locked by another run.
     pub fn open(path: &Path, access: Access) -> Result<Self, ReadError> {
-        // Asked before opening, because opening a pipe waits for somebody to write to it.
+        // Checked before opening, because opening a pipe waits for a writer.
         let metadata = std::fs::metadata(path).map_err(|source| cannot_open(path, source))?;
         if !metadata.is_file() {
             return Err(ReadError::NotAFile { path: path.into() });
         }
         let mut recovered = false;
         let mut file = open_locked(path, access)?;
-        // Asked when the lock is held, so that a journal is not one of a change that is under way.
+        // Checked while the lock is held, so that the journal is not that of a change under way.
         while access == Access::Read && journal::exists(path) {
             drop(file);
             recovered |= recover(path)?;
@@ -70,18 +70,18 @@ impl LogFile {
         })
     }
 
-    /// A file that nobody else has, so that it needs no lock, and what errors call it.
+    /// A file of this process alone, which needs no lock, and its name in errors.
     ///
     /// # Errors
-    /// It cannot be said how long it is.
+    /// Its length cannot be read.
     pub fn from_file(path: &Path, file: File) -> Result<Self, ReadError> {
         Self::of(path, Bytes::File(file.into()))
     }
 
-    /// Bytes that are in no file, and what errors call them.
+    /// Bytes that are not in a file, and their name in errors.
     ///
     /// # Errors
-    /// It cannot be said how many there are.
+    /// Their number cannot be read.
     pub fn from_bytes(name: &Path, bytes: Box<dyn ReadAt>) -> Result<Self, ReadError> {
         Self::of(name, Bytes::Other(bytes))
     }
@@ -97,8 +97,8 @@ impl LogFile {
         })
     }
 
-    /// The same with the bytes from `start` on replaced by those of `tail`, which is `length` bytes long. Nothing is
-    /// written.
+    /// The same log with the bytes from `start` on replaced by those of `tail`, which is `length` bytes long. Nothing
+    /// is written.
     pub fn with_tail(self, start: u64, tail: File, length: u64) -> Self {
         Self {
             length: start + length,
@@ -107,11 +107,11 @@ impl LogFile {
         }
     }
 
-    /// Saves what the file has from `start` on, after which that may be overwritten. The file must have been
-    /// opened to be changed.
+    /// Saves the file's bytes from `start` on in a journal, after which they may be overwritten. The file must have
+    /// been opened to be changed.
     ///
     /// # Errors
-    /// The journal cannot be written, after which nothing is left of it; or the bytes are not those of a file.
+    /// The journal cannot be written, and nothing is left of it; or the bytes are not in a file.
     pub fn change_from(
         &self,
         start: u64,
@@ -127,12 +127,12 @@ impl LogFile {
         }
     }
 
-    /// What it is called.
+    /// Its path or name.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The file itself, if the bytes are in one: without what stands in place of its end.
+    /// The file, if the bytes are in one; what replaces its end is not in it.
     pub fn as_file(&self) -> Option<&File> {
         match &self.bytes {
             Bytes::File(file) => Some(file),
@@ -140,34 +140,34 @@ impl LogFile {
         }
     }
 
-    /// The file itself, if it is there that these bytes are.
+    /// The file, if it has these bytes.
     pub(crate) fn file_with(&self, range: &Range<u64>) -> Option<&File> {
         let tail = self.tail.as_ref();
         let is_there = tail.is_none_or(|tail| range.end <= tail.start);
         self.as_file().filter(|_| is_there)
     }
 
-    /// Who may do what with the file, if the bytes are in one.
+    /// The file's permissions, if the bytes are in one.
     ///
     /// # Errors
-    /// The system does not say.
+    /// They cannot be read.
     pub(crate) fn permissions(&self) -> Result<Option<Permissions>, ReadError> {
         let metadata = self.as_file().map(File::metadata).transpose();
         let metadata = metadata.map_err(|source| cannot_open(&self.path, source))?;
         Ok(metadata.map(|metadata| metadata.permissions()))
     }
 
-    /// The bytes without what stands in place of their end.
+    /// The bytes without what replaces their end.
     pub(crate) fn own_bytes(&self) -> &dyn ReadAt {
         self.bytes.as_read_at()
     }
 
-    /// How many bytes there were when it was opened.
+    /// The number of bytes when it was opened.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// Whether an earlier change of the file had been cut short, and was undone when it was opened.
+    /// Whether an interrupted change of the file was undone when it was opened.
     pub fn was_recovered(&self) -> bool {
         self.recovered
     }
@@ -175,7 +175,7 @@ impl LogFile {
     /// Reads the `length` bytes at `offset` into `buffer`, replacing what it held.
     ///
     /// # Errors
-    /// The range does not lie within the log, or reading fails.
+    /// The range is not within the log, or reading fails.
     pub fn read_into(
         &self,
         buffer: &mut Vec<u8>,
@@ -188,7 +188,7 @@ impl LogFile {
     /// Reads the `length` bytes at `offset` into `buffer` after its first `kept` bytes, replacing the others.
     ///
     /// # Errors
-    /// The range does not lie within the log, or reading fails.
+    /// The range is not within the log, or reading fails.
     pub fn read_after(
         &self,
         buffer: &mut Vec<u8>,
@@ -208,7 +208,7 @@ impl LogFile {
         let end = end.ok_or_else(too_long)?;
         let more = end.saturating_sub(buffer.len());
         buffer.try_reserve_exact(more).map_err(|_| too_long())?;
-        // Bytes that are about to be replaced need not be zeroed first.
+        // Bytes that are about to be overwritten need not be zeroed first.
         buffer.resize(end, 0);
         let read = self.read_exact(&mut buffer[kept..], offset);
         read.map_err(|source| ReadError::io("cannot read", &self.path, source))
@@ -238,7 +238,7 @@ impl LogFile {
         Ok(buffer)
     }
 
-    /// The error for a place at which the log is not what the format says.
+    /// The error for a place where the log violates the format.
     pub fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError {
         ReadError::damaged(&self.path, offset, damage)
     }
@@ -268,7 +268,7 @@ fn cannot_open(path: &Path, source: io::Error) -> ReadError {
     ReadError::io("cannot open the log", path, source)
 }
 
-/// Undoes a change that was cut short, if nobody else is doing so. Whether there was one.
+/// Undoes an interrupted change, unless another run is doing so. Returns whether there was one.
 fn recover(path: &Path) -> Result<bool, ReadError> {
     let file = open_locked(path, Access::Change).map_err(|error| match error {
         ReadError::Io { source, .. } => journal::not_recovered(path, source).into(),

@@ -1,15 +1,15 @@
-//! Changing the end of a log's file in place, so that whatever happens the file can be made whole again.
+//! Changing the end of a log's file in place, so that the file can be recovered whatever happens.
 //!
-//! Before the first byte is overwritten, everything that is going to be replaced is saved in a *journal*, a file
-//! beside the log. The order of things is
+//! Before the first byte is overwritten, everything that is about to be replaced is saved in a *journal*, a file
+//! beside the log. The order is
 //!
 //! 1. the log is locked,
 //! 2. the journal is written, and it and its folder are synced,
 //! 3. the log is written, cut to its new length, and synced,
 //! 4. the journal is removed, and its folder synced.
 //!
-//! If all of this is cut short, the next run that opens the log finds the journal and brings the old end back. A
-//! journal that is not whole was cut short itself, so the log was not touched yet.
+//! If this is interrupted, the next run that opens the log finds the journal and restores the old end. If the journal
+//! is incomplete, writing it was interrupted, so the log had not been touched yet.
 
 use std::{
     ffi::OsString,
@@ -23,36 +23,36 @@ use binrw::{BinRead, BinWrite, binrw};
 use super::{error::JournalError, prefix::Prefix};
 use crate::fs::{WriteAt, grant, sync_folder};
 
-/// What a journal is called: the log's name and this.
+/// A journal's name is the log's name and this.
 const SUFFIX: &str = ".flightcam-journal";
 
-/// How much of a file is in memory while it is copied.
+/// How much of a file is held in memory while it is copied.
 const PIECE: usize = 1024 * 1024;
 
-/// Bytes of the checksum that a journal ends with.
+/// Bytes of the checksum at the end of a journal.
 const CRC_LENGTH: u64 = size_of::<u32>() as u64;
 
-/// How far a change has come. After each of these a kill leaves something different behind.
+/// The steps of a change. A process that is killed after one of them leaves something different than after another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum JournalStep {
-    /// The journal exists and has not been written to.
+    /// The journal exists and is empty.
     JournalCreated,
-    /// The journal is written, and perhaps not on the disk yet.
+    /// The journal is written, but perhaps not on the disk yet.
     JournalWritten,
     /// The journal is on the disk.
     JournalDurable,
-    /// All of the log's new end is written, and perhaps the old one reaches beyond it.
+    /// The log's new end is written; the old one may reach beyond it.
     LogWritten,
     /// The log has its new length.
     LogCut,
     /// The log is on the disk.
     LogDurable,
-    /// The journal is gone, and perhaps not from the disk yet.
+    /// The journal is removed, but perhaps not from the disk yet.
     JournalRemoved,
 }
 
 impl JournalStep {
-    /// All of them, in their order.
+    /// All steps, in their order.
     pub const ALL: [Self; 7] = [
         Self::JournalCreated,
         Self::JournalWritten,
@@ -64,16 +64,15 @@ impl JournalStep {
     ];
 }
 
-/// A journal's beginning. Behind it comes what the log had from `start` on, as a zstd frame, and a CRC-32 of all
-/// of that.
+/// The start of a journal. It is followed by the log's old end, as a zstd frame, and a CRC-32 of everything before.
 #[binrw]
 #[brw(little, magic = b"flightcam journal 1\n")]
 struct Header {
-    /// What the log has before its end, which stays as it is.
+    /// Identifies the part of the log that is not changed.
     prefix: Prefix,
     /// The log's length.
     length: u64,
-    /// Where the log was, for people.
+    /// The log's path, for error messages.
     #[bw(calc = path.len() as u32)]
     path_length: u32,
     #[br(count = path_length)]
@@ -82,8 +81,7 @@ struct Header {
 
 /// A log's file while its end is being replaced.
 ///
-/// If it ends without [`commit`](Self::commit) or [`roll_back`](Self::roll_back), the next run brings the old end
-/// back.
+/// If neither [`commit`](Self::commit) nor [`roll_back`](Self::roll_back) is called, the next run restores the old end.
 #[derive(Debug)]
 pub struct Journal<'a> {
     log: &'a File,
@@ -105,7 +103,7 @@ impl<'a> Journal<'a> {
         let written =
             write(log, log_path, start, journal, reached).and_then(|()| sync_folder(&path));
         if let Err(error) = written {
-            // The log was not touched; a journal that cannot be removed now is, as it is not whole, later.
+            // The log was not touched. If the incomplete journal cannot be removed now, the next run removes it.
             let _ = fs::remove_file(&path);
             return Err(failed(error));
         }
@@ -127,10 +125,10 @@ impl<'a> Journal<'a> {
         self.log_path
     }
 
-    /// Makes the change last: the file is `length` bytes long from now on.
+    /// Makes the change permanent, with a file of `length` bytes.
     ///
     /// # Errors
-    /// The file cannot be cut or synced, or the journal not removed.
+    /// The file cannot be truncated or synced, or the journal cannot be removed.
     pub fn commit(&self, length: u64, reached: &dyn Fn(JournalStep)) -> Result<(), JournalError> {
         let failed = |source| JournalError::io("cannot write the log", self.log_path, source);
         let file = self.log;
@@ -142,7 +140,7 @@ impl<'a> Journal<'a> {
         remove(&self.path, reached)
     }
 
-    /// Brings back what the file had.
+    /// Restores the old end.
     ///
     /// # Errors
     /// That is not possible now. The journal stays, and the next run tries again.
@@ -151,12 +149,12 @@ impl<'a> Journal<'a> {
     }
 }
 
-/// Whether there is a journal beside a log, so that the log is being changed or its change was cut short.
+/// Whether there is a journal beside a log, because the log is being changed or a change was interrupted.
 pub(super) fn exists(log: &Path) -> bool {
     beside(log).is_ok_and(|journal| journal.exists())
 }
 
-/// Whether no file has the name, or none can have it because it is too long.
+/// Whether there is no file of that name, or cannot be because the name is too long.
 fn cannot_be_there(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -164,14 +162,14 @@ fn cannot_be_there(error: &io::Error) -> bool {
     )
 }
 
-/// The error for a log that cannot be brought back.
+/// The error for a log whose old end cannot be restored.
 pub(super) fn not_recovered(log: &Path, source: io::Error) -> JournalError {
     let action = "cannot bring the log back to what it was before an interrupted run";
     JournalError::io(action, log, source)
 }
 
-/// Brings a file back to what it was before a change that was cut short, if one was. The file must be locked, so
-/// that no change is under way. Whether there was one.
+/// Undoes an interrupted change of a file, if there was one; returns whether there was. The file must be locked, so
+/// that no change is under way.
 pub(super) fn recover(log: &File, log_path: &Path) -> Result<bool, JournalError> {
     let path = beside(log_path)?;
     let journal = match File::open(&path) {
@@ -220,7 +218,7 @@ fn write(
         crc: crc32fast::Hasher::new(),
     };
     out.write_all(start_of_journal.get_ref())?;
-    // The fastest level: a log's end is mostly repeated schemas, or compressed already.
+    // The fastest level, because a log's end is mostly repeated schemas, or compressed already.
     let mut zstd = zstd::Encoder::new(&mut out, 1)?;
     let mut end = log;
     end.seek(SeekFrom::Start(start))?;
@@ -234,10 +232,10 @@ fn write(
     journal.sync_all()
 }
 
-/// The header of a journal, and the journal where its header ends; `None` if the journal is not whole.
+/// Reads the header of a journal, and leaves the file's position after it; `None` if the journal is incomplete.
 fn read_whole(journal: &mut File) -> io::Result<Option<Header>> {
     let length = journal.metadata()?.len();
-    // Zeros are what a power cut makes of a file, and of nothing they would be the checksum.
+    // A power cut can leave zeros, which would be the checksum of an empty journal.
     let Some(checked) = length
         .checked_sub(CRC_LENGTH)
         .filter(|&checked| checked > 0)
@@ -263,7 +261,7 @@ fn read_whole(journal: &mut File) -> io::Result<Option<Header>> {
     }
 }
 
-/// Writes the end that a journal has, from where its header ends.
+/// Writes the log's old end from a journal that has been read up to the end of its header.
 fn bring_back(log: &File, header: &Header, journal: File) -> io::Result<()> {
     let start = header.prefix.length;
     let mut end = zstd::Decoder::new(journal)?.single_frame();
@@ -273,7 +271,7 @@ fn bring_back(log: &File, header: &Header, journal: File) -> io::Result<()> {
     if Some(written) != header.length.checked_sub(start) {
         return Err(io::Error::new(
             ErrorKind::InvalidData,
-            "the journal is not what it says it is",
+            "the journal does not have the length that it should have",
         ));
     }
     log.set_len(header.length)?;
@@ -284,26 +282,26 @@ fn remove(journal: &Path, reached: &dyn Fn(JournalStep)) -> Result<(), JournalEr
     fs::remove_file(journal)
         .map_err(|source| JournalError::io("cannot remove", journal, source))?;
     reached(JournalStep::JournalRemoved);
-    // This is too late to fail: what it was about is done. At worst a power cut undoes that.
+    // Too late to fail, because the change is complete. At worst a power cut undoes it.
     let _ = sync_folder(journal);
     Ok(())
 }
 
-/// Where a log's journal is. It lies beside the file itself, whatever links lead there.
+/// The path of a log's journal. It is beside the file itself, whichever links lead there.
 fn beside(log: &Path) -> Result<PathBuf, JournalError> {
     let file = log.canonicalize();
     let file = file.map_err(|source| JournalError::io("cannot find the log", log, source))?;
     Ok(journal_of(&file))
 }
 
-/// Where the journal is of a log whose name is not a link.
+/// The path of the journal of a log whose path is not a link.
 pub fn journal_of(log: &Path) -> PathBuf {
     let mut name = OsString::from(log);
     name.push(SUFFIX);
     name.into()
 }
 
-/// Passes on what is written, and computes its checksum.
+/// Passes on what is written and computes its checksum.
 struct Checksummed<W> {
     out: W,
     crc: crc32fast::Hasher,

@@ -1,4 +1,4 @@
-//! Message indexes: those that lie behind a chunk, believed as far as they say what they should, and new ones.
+//! Message indexes: reading those that follow a chunk, as far as they can be trusted, and making new ones.
 
 use std::collections::BTreeMap;
 
@@ -12,8 +12,8 @@ use super::{
     summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
 };
 
-/// The entries of a channel's message index; `None` where the segment has no index of that channel, or one that
-/// does not tell of as many messages as the channel has there.
+/// The entries of a channel's message index; `None` if the segment has no index of that channel, or one that does not
+/// list as many messages as the channel has there.
 pub fn message_index(
     file: &LogFile,
     segment: &Segment,
@@ -27,7 +27,7 @@ pub fn message_index(
     let (Some(&offset), Some(&count)) = (offset, count) else {
         return Ok(None);
     };
-    // So long as the count demands, whatever length the record itself claims.
+    // The length that follows from the count, regardless of what the record itself claims.
     let length = MESSAGE_INDEX_PREFIX + count * MESSAGE_INDEX_ENTRY;
     if offset.saturating_add(length) > file.length() {
         return Ok(None);
@@ -41,7 +41,7 @@ pub fn message_index(
     Ok(index.map(|index| index.records))
 }
 
-/// The message indexes of a chunk whose messages lie so, by channel.
+/// The message indexes of a chunk with these entries by channel.
 pub fn new_message_indexes(
     entries: BTreeMap<u16, Vec<MessageIndexEntry>>,
 ) -> impl Iterator<Item = MessageIndex> {
@@ -54,7 +54,7 @@ pub fn new_message_indexes(
     })
 }
 
-/// Appends message indexes to bytes that begin at `position` in the file; gives where each lies, by channel.
+/// Appends message indexes to bytes that start at `position` in the file. Returns the offset of each, by channel.
 pub fn push_message_indexes(
     indexes: impl IntoIterator<Item = MessageIndex>,
     position: u64,

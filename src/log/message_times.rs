@@ -1,12 +1,12 @@
-//! When the messages of a channel were logged, without reading the messages where the log has indexes of them.
+//! The log times of a channel's messages, without reading the messages where the log has indexes of them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Log, SegmentReader, error::ReadError, message_index::message_index};
 
 impl Log {
-    /// The log times of the messages of some channels, by channel id, each channel's in order. A chunk is opened
-    /// only if one of these channels has no message index there that says as much as it should.
+    /// The log times of the messages of some channels, by channel id, those of each channel in order. A chunk is opened
+    /// only if one of these channels has no complete message index there.
     ///
     /// # Errors
     /// The log cannot be read or is damaged there.

@@ -1,4 +1,4 @@
-//! What a log begins with, recognised without reading all of it.
+//! Recognising the start of a log without reading all of it.
 
 use std::io;
 
@@ -7,11 +7,11 @@ use sha2::{Digest, Sha256};
 
 use crate::fs::ReadAt;
 
-/// How much is hashed at either end.
+/// How much is hashed at each end.
 const HASHED: u64 = 64 * 1024;
 
-/// What tells the beginning of a file from that of another: its length, and hashes of its first and last 64 KiB,
-/// or of all of it where it is shorter.
+/// Identifies the start of a file: by its length, and by hashes of its first and last 64 KiB, or of all of it where it
+/// is shorter.
 #[binrw]
 #[brw(little)]
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -17,7 +17,7 @@ pub struct RawRecord<'a> {
     pub opcode: u8,
     /// Where the record starts in its buffer.
     pub offset: usize,
-    /// The bytes behind its opcode and length.
+    /// The bytes after its opcode and length.
     pub body: &'a [u8],
 }
 
@@ -61,7 +61,7 @@ impl<'a> Iterator for Records<'a> {
                 body,
             })
         });
-        // After a torn record nothing can be told apart any more.
+        // Where the records after a torn one start is not known.
         self.position = record.map_or(self.bytes.len(), |record| {
             offset + FRAME_LENGTH + record.body.len()
         });
@@ -151,11 +151,16 @@ pub fn parse<T: for<'a> BinRead<Args<'a> = ()>>(body: &[u8]) -> binrw::BinResult
 
 /// A record's body, ready to be framed.
 pub fn serialize<T: for<'a> BinWrite<Args<'a> = ()>>(record: &T) -> Vec<u8> {
-    let mut body = Cursor::new(Vec::new());
+    let mut body = Vec::new();
+    serialize_into(&mut body, record);
+    body
+}
+
+/// Puts a record's body into an empty buffer.
+pub(crate) fn serialize_into<T: for<'a> BinWrite<Args<'a> = ()>>(body: &mut Vec<u8>, record: &T) {
     record
-        .write_le(&mut body)
+        .write_le(&mut Cursor::new(body))
         .expect("writing to memory does not fail");
-    body.into_inner()
 }
 
 /// Appends a whole record to `out`.

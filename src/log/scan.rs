@@ -1,4 +1,4 @@
-//! Learning what a log holds from its records themselves, where its summary does not say.
+//! Finding out what a log contains from its records, where its summary does not say.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use super::{
 /// How much is read at once where records follow one another closely.
 const WINDOW: u64 = 64 * 1024;
 
-/// Where a run of messages outside chunks ends at the latest, so that no reader needs to hold a long run.
+/// The most bytes of messages outside chunks that make one segment, so that no reader needs to hold more.
 const LOOSE_RUN: u64 = 1024 * 1024;
 
 /// Enough of an attachment's body for its header, whose name and media type are short.
@@ -44,13 +44,13 @@ impl Frame {
     }
 }
 
-/// What comes next in a stretch of records.
+/// What comes next in a range of records.
 #[derive(Debug, Clone, Copy)]
 pub enum Next {
     Record(Frame),
-    /// The stretch ends where a record ends.
+    /// The range ends after a whole record.
     End,
-    /// Here the stretch stops making sense: a record runs past its end, or has an opcode that none has.
+    /// From here on there are no whole records: one is longer than the rest of the range, or has an invalid opcode.
     Torn {
         offset: u64,
     },
@@ -58,14 +58,14 @@ pub enum Next {
 
 /// Where the bodies of records are.
 pub trait Bodies {
-    /// The first `most` bytes of a record's body, or all of it where it is shorter.
+    /// The first `most` bytes of a record's body, or all of it if it is shorter.
     fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], ReadError>;
 
-    /// The error for a place at which the log is not what the format says.
+    /// The error for a place where the log violates the format.
     fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError;
 }
 
-/// Steps from record to record, reading opcodes and lengths but no bodies unless asked.
+/// Steps from record to record, reading opcodes and lengths, and bodies only when asked.
 pub struct Walker<'a> {
     file: &'a LogFile,
     position: u64,
@@ -99,7 +99,7 @@ impl<'a> Walker<'a> {
             return torn;
         };
         let room = self.end - offset - FRAME_LENGTH as u64;
-        // A file system that lost its last blocks leaves zeros.
+        // A file system that has lost its last blocks leaves zeros.
         if opcode == 0 || length > room {
             return torn;
         }
@@ -135,11 +135,11 @@ impl Bodies for Walker<'_> {
     }
 }
 
-/// Collects what records say, one after the other in the order of the file.
+/// Collects what a log contains from its records, which come in the order of the file.
 #[derive(Default)]
 pub struct Collector {
     pub contents: Contents,
-    /// The definitions that were in chunks first.
+    /// The definitions that occurred first in a chunk.
     pub defined_in_chunks: Vec<DefinedInChunk>,
     chunks: ChunkDecoder,
     /// The chunk that message indexes may still follow.
@@ -148,9 +148,9 @@ pub struct Collector {
 
 /// A schema or a channel that is defined in a chunk.
 pub struct DefinedInChunk {
-    /// Where the chunk lies.
+    /// The chunk's offset.
     pub chunk: u64,
-    /// Whether it is a schema or a channel.
+    /// Of its record: that of a schema or a channel.
     pub opcode: u8,
     pub id: u16,
 }
@@ -159,14 +159,14 @@ struct OpenChunk {
     index: ChunkIndex,
     times: Option<(u64, u64)>,
     message_counts: BTreeMap<u16, u64>,
-    /// Of the message indexes that follow it: messages by channel, and where each record starts.
+    /// Of the message indexes after it: messages by channel, and the offset of each record.
     indexed: BTreeMap<u16, u64>,
     index_offsets: BTreeMap<u16, u64>,
     index_length: u64,
 }
 
 impl Collector {
-    /// Goes on with what a summary said.
+    /// Continues with what a summary says.
     pub fn with(contents: Contents) -> Self {
         Self {
             contents,
@@ -179,8 +179,8 @@ impl Collector {
         self.record_and_visit(bodies, frame, |_, _, _| {})
     }
 
-    /// As [`record`](Self::record). `visit` is shown each message of a chunk, the body of its record, and what
-    /// was defined before it.
+    /// As [`record`](Self::record). `visit` gets each message of a chunk, the body of its record, and what was defined
+    /// before it.
     pub fn record_and_visit(
         &mut self,
         bodies: &mut impl Bodies,
@@ -197,7 +197,7 @@ impl Collector {
                 added.ok_or_else(|| malformed(bodies, frame, RecordKind::Definition))?;
             }
             op::MESSAGE => {
-                // The payload is of no interest here.
+                // The payload is not needed here.
                 let message = RawMessage::parse(bodies.body(frame, MESSAGE_HEADER_LENGTH as u64)?)
                     .map(|message| (message.channel_id, message.log_time));
                 let (channel_id, log_time) =
@@ -250,29 +250,24 @@ impl Collector {
 
     fn loose_message(&mut self, frame: &Frame, channel_id: u16, log_time: u64) {
         let segments = &mut self.contents.segments;
-        let run = segments.last_mut().filter(|run| {
+        let run = segments.pop_if(|run| {
             let unbroken = run.offset + run.length == frame.offset;
             matches!(run.kind, SegmentKind::Loose) && unbroken && run.length < LOOSE_RUN
         });
-        let run = match run {
-            Some(run) => run,
-            None => {
-                segments.push(Segment {
-                    offset: frame.offset,
-                    length: 0,
-                    times: None,
-                    message_counts: BTreeMap::new(),
-                    kind: SegmentKind::Loose,
-                });
-                segments.last_mut().expect("one was just pushed")
-            }
-        };
+        let mut run = run.unwrap_or_else(|| Segment {
+            offset: frame.offset,
+            length: 0,
+            times: None,
+            message_counts: BTreeMap::new(),
+            kind: SegmentKind::Loose,
+        });
         run.length = frame.end() - run.offset;
         run.times = widen(run.times, log_time);
         *run.message_counts.entry(channel_id).or_default() += 1;
+        segments.push(run);
     }
 
-    /// Takes what a chunk holds.
+    /// Takes the content of a chunk.
     fn chunk(
         &mut self,
         frame: &Frame,
@@ -324,8 +319,8 @@ impl Collector {
         })
     }
 
-    /// Notes that no message indexes follow the chunk any more. Whether all of its messages are indexed; `None`
-    /// where there is no chunk that was not closed yet.
+    /// Closes the latest chunk: no more message indexes follow it. Returns whether all of its messages are indexed;
+    /// `None` if there is no open chunk.
     pub fn close_chunk(&mut self) -> Option<bool> {
         let chunk = self.open_chunk.take()?;
         let mut index = chunk.index;
@@ -349,7 +344,7 @@ impl Collector {
         Some(is_indexed)
     }
 
-    /// How many segments there are so far, the one in which the latest message lies included.
+    /// The number of segments so far, including the one with the latest message.
     pub fn segments(&self) -> usize {
         self.contents.segments.len() + usize::from(self.open_chunk.is_some())
     }
@@ -360,7 +355,7 @@ fn widen(times: Option<(u64, u64)>, time: u64) -> Option<(u64, u64)> {
     Some((start.min(time), end.max(time)))
 }
 
-/// The error for a record whose body is not what it should be.
+/// The error for a record whose body cannot be read.
 fn malformed(bodies: &impl Bodies, frame: &Frame, kind: RecordKind) -> ReadError {
     bodies.damaged(frame.offset, Damage::Malformed(kind))
 }

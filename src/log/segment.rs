@@ -24,7 +24,7 @@ pub struct SegmentReader<'a> {
 }
 
 impl<'a> SegmentReader<'a> {
-    /// Of a log, with nothing read yet.
+    /// For the segments of a log.
     pub fn new(log: &'a Log) -> Self {
         Self {
             file: &log.file,
@@ -36,9 +36,8 @@ impl<'a> SegmentReader<'a> {
 
     /// The messages that a segment has on the wanted channels, in the order of the file.
     ///
-    /// Of an uncompressed chunk that has message indexes no others are read, unless the wanted ones are the greater
-    /// part of it or the indexes lie. A chunk read by its indexes is not checked against its checksum, for that
-    /// takes all of its bytes.
+    /// Of an uncompressed chunk that has message indexes only these messages are read, unless they are the greater part
+    /// of it or the indexes are wrong. Then the chunk's checksum is not checked, because that takes all of its bytes.
     ///
     /// # Errors
     /// The segment cannot be read or is damaged.
@@ -66,7 +65,7 @@ impl<'a> SegmentReader<'a> {
         }))
     }
 
-    /// The message indexes of a chunk, made from its messages.
+    /// Makes the message indexes of a chunk from its messages.
     ///
     /// # Errors
     /// The chunk cannot be read or is damaged.
@@ -83,7 +82,7 @@ impl<'a> SegmentReader<'a> {
     }
 }
 
-/// The messages among the records of the segment that starts at `start`, each with its offset there.
+/// The messages among the records of the segment that starts at `start`, each with its offset in the segment's content.
 fn messages<'a>(
     file: &'a LogFile,
     start: u64,

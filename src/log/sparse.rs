@@ -1,4 +1,4 @@
-//! Picking messages out of an uncompressed chunk by its message indexes.
+//! Reading some of the messages of an uncompressed chunk, by its message indexes.
 
 use std::{collections::BTreeSet, ops::Range};
 
@@ -12,32 +12,33 @@ use super::{
     record::{FRAME_LENGTH, RawMessage, Records, split_frame},
 };
 
-/// Messages that start no further apart are read together, and from the start of the last of them so much, because its
-/// length is not known yet. To read so much in vain costs about as much as to ask the system once more.
+/// Messages that start no further apart than this are read together, and so is that much from the start of the last of
+/// them, whose length is not known yet. Reading that much in vain costs about as much as another system call.
 const WINDOW: u64 = 4096;
 
 /// Bytes of the record of an uncompressed chunk before its content: its frame, two times, the content's length and
 /// checksum, the empty name of the compression, and the length again.
 const CONTENT_OFFSET: u64 = FRAME_LENGTH as u64 + 8 + 8 + 8 + 4 + 4 + 8;
 
-/// Picks messages out of one chunk after the other, reusing its buffers.
+/// Reads some of the messages of one chunk after the other, reusing its buffers.
 #[derive(Default)]
 pub struct SparseReader {
     entries: Vec<Entry>,
     records: Vec<u8>,
 }
 
-/// What an index says of a message.
+/// What an index says about a message.
 struct Entry {
     channel_id: u16,
     log_time: u64,
-    /// Of its record among those of the chunk.
+    /// The offset of its record in the chunk's content.
     offset: u64,
 }
 
 impl SparseReader {
-    /// The records of a chunk's messages on the wanted channels, in the order of the file. `None` where they cannot
-    /// be picked, because the chunk is compressed or not indexed or an index lies, or where that is not worth it.
+    /// The records of a chunk's messages on the wanted channels, in the order of the file. `None` if they cannot be
+    /// read by themselves, because the chunk is compressed or not indexed or an index is wrong, or if that is not worth
+    /// it.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -48,14 +49,14 @@ impl SparseReader {
         wanted: &BTreeSet<u16>,
     ) -> Result<Option<Records<'_>>, ReadError> {
         let channels = segment.channels_among(wanted);
-        let is_pickable = match &segment.kind {
+        let is_possible = match &segment.kind {
             SegmentKind::Chunk { index, is_indexed } => {
                 *is_indexed && index.record.compression.is_empty()
             }
             SegmentKind::Loose => false,
         };
-        // Where all are wanted there is nothing to leave out.
-        if !is_pickable || channels.len() == segment.message_counts.len() {
+        // If all are wanted, there is nothing to leave out.
+        if !is_possible || channels.len() == segment.message_counts.len() {
             return Ok(None);
         }
         self.entries.clear();
@@ -82,18 +83,18 @@ impl SparseReader {
     }
 }
 
-/// The entries of messages that are read together, which lie in the order of the file.
+/// Groups entries, which are in the order of the file, into those of messages that are read together.
 fn runs(entries: &[Entry]) -> impl Iterator<Item = &[Entry]> {
     entries.chunk_by(|one, next| next.offset - one.offset <= WINDOW)
 }
 
-/// How much is read from the start of a run's first message.
+/// How much is read from the start of the first message of a group.
 fn reach(run: &[Entry]) -> u64 {
     run[run.len() - 1].offset - run[0].offset + WINDOW
 }
 
-/// Reads the messages of entries that lie within the content, packed behind one another at the start of `records`.
-/// How long that is; `None` if one of them is not what its entry says, or two overlap.
+/// Reads the messages of entries into the start of `records`, one directly after the other. Returns the length of that;
+/// `None` if a message is not what its entry says, or two overlap.
 fn gather(
     file: &LogFile,
     content: Range<u64>,
@@ -102,7 +103,7 @@ fn gather(
 ) -> Result<Option<usize>, ReadError> {
     let length = content.end - content.start;
     let mut packed = 0;
-    // Where the message before ends.
+    // Where the previous message ends.
     let mut end = 0;
     for run in runs(entries) {
         let (run_start, place) = (run[0].offset, packed);

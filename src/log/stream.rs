@@ -1,7 +1,7 @@
-//! A log that is read once, from front to back, and passed on on the way: what a pipe holds.
+//! A log that is read once, from front to back, and passed on meanwhile, because it comes through a pipe.
 //!
-//! What may be needed of it again is kept in temporary files: the messages that are followed, and of all other
-//! bytes only those that appending takes. Memory holds one record at a time, and of a long one only a piece.
+//! What may be needed again is kept in temporary files: the selected messages, and of all other bytes only those that
+//! appending needs. Memory holds one record at a time, and of a long one only a piece.
 
 mod excerpt;
 mod pipe;
@@ -26,7 +26,7 @@ use super::{
 use excerpt::Excerpt;
 use pipe::Pipe;
 
-/// A stream, and what errors call it.
+/// A stream and its name in errors.
 #[derive(Debug)]
 pub struct Named<'a, T> {
     /// Its name.
@@ -35,14 +35,14 @@ pub struct Named<'a, T> {
     pub stream: T,
 }
 
-/// A message that passes by.
+/// A message of a log that is passed on.
 #[derive(Debug, Clone, Copy)]
 pub struct Passing<'a> {
     /// The message.
     pub message: &'a RawMessage<'a>,
     /// Its channel.
     pub channel: &'a Channel,
-    /// Which of the log's segments it lies in, counted from 0.
+    /// The number of its segment, counted from 0.
     pub segment: usize,
     /// What the log has defined so far.
     pub definitions: &'a Definitions,
@@ -51,19 +51,18 @@ pub struct Passing<'a> {
 /// A log that was read from a stream and passed on, up to the end of its data section.
 #[derive(Debug)]
 pub struct Streamed {
-    /// The log as it was. Of its bytes only those can be read, at their places, that appending takes: the first
-    /// and the last 64 KiB before the end of the data section, everything behind that, Metadata records, and
-    /// chunks that are not indexed.
+    /// The log as it came. Only the bytes that appending needs can be read, at their offsets: the first and the last
+    /// 64 KiB of the data section, everything after that, Metadata records, and chunks that are not indexed.
     pub original: Log,
-    /// The messages that were followed, as a log of their own. All else that it tells is told of the original:
-    /// which channels there are, and how many messages each segment has when, so that telemetry is looked for in
-    /// it as in the original.
+    /// The selected messages, as a log of their own. Everything else that it says is true of the original: which
+    /// channels there are, and how many messages each segment has at which times, so that the same telemetry is found
+    /// in it as in the original.
     pub telemetry: Log,
 }
 
-/// Passes a log on while it comes, record by record, up to the end of its data section: a DataEnd record or a
-/// footer, or a record that breaks off. What is there and behind it is held back. Of the messages those are
-/// followed that `follow` says, and those of channels that were not defined before them.
+/// Passes a log on while it comes, record by record, up to the end of its data section: a DataEnd record, a footer, or
+/// a record that breaks off. The rest is held back. The messages that `select` selects are kept, and those of channels
+/// that were not defined before them.
 ///
 /// # Errors
 /// The input cannot be read, is not an MCAP, or is damaged; the output cannot be written, perhaps because its
@@ -71,13 +70,13 @@ pub struct Streamed {
 pub fn pass_through(
     input: Named<impl Read>,
     output: Named<impl Write>,
-    follow: impl FnMut(Passing) -> bool,
+    select: impl FnMut(Passing) -> bool,
 ) -> Result<Streamed, ReadError> {
     let name = input.name;
     let mut pipe = Pipe::new(input, output)?;
     let header = pipe.pass_on_header()?;
     let mut collector = Collector::default();
-    let mut excerpt = Excerpt::new(follow)?;
+    let mut excerpt = Excerpt::new(select)?;
     let stop = loop {
         let offset = pipe.position();
         let Some(frame) = pipe.read_frame()? else {
@@ -104,7 +103,7 @@ pub fn pass_through(
         collector.record_and_visit(&mut body, &frame, |definitions, message, record| {
             excerpt.consider(definitions, segment, message, record);
         })?;
-        // Nobody's telemetry has longer messages.
+        // No telemetry has longer messages.
         if frame.opcode == op::MESSAGE && frame.length <= MAX_RECORD {
             let record = body.body(&frame, u64::MAX)?;
             if let Some(message) = RawMessage::parse(record) {

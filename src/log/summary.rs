@@ -1,4 +1,4 @@
-//! The summary section: what a log says of itself, and how far that can be believed.
+//! The summary section: what a log says about itself, and how far that can be trusted.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -44,8 +44,8 @@ pub struct Summary {
 }
 
 impl Ending {
-    /// Reads the end of the file; `None` where it does not end as a log does that was closed, with a data section
-    /// that goes on to `earliest` at least.
+    /// Reads the end of the file; `None` if it is not that of a log that was closed, with a data section that ends at
+    /// `earliest` or later.
     pub fn read(file: &LogFile, earliest: u64) -> Result<Option<Self>, ReadError> {
         let tail = (FRAME_LENGTH + FOOTER_LENGTH + mcap::MAGIC.len()) as u64;
         let Some(footer_offset) = file.length().checked_sub(tail) else {
@@ -73,11 +73,13 @@ impl Ending {
             return Ok(None);
         }
         let record = file.read(data_end, data_end_length)?;
-        let (frame, crc) = record.split_at(FRAME_LENGTH);
+        let Some((frame, crc)) = record.split_last_chunk() else {
+            return Ok(None);
+        };
         if split_frame(frame) != Some((op::DATA_END, DATA_END_LENGTH as u64)) {
             return Ok(None);
         }
-        let crc = u32::from_le_bytes(crc.try_into().expect("it is four bytes long"));
+        let crc = u32::from_le_bytes(*crc);
 
         let section = file.read(summary_start, footer_offset - summary_start)?;
         let intact = footer.summary_crc == 0 || {
@@ -111,7 +113,7 @@ impl Summary {
                 op::METADATA_INDEX => summary.metadata.push(Raw::parse(body).ok()?),
                 op::STATISTICS => summary.statistics = Some(parse(body).ok()?),
                 op::SUMMARY_OFFSET => {}
-                // A record that has no business in a summary.
+                // A record that does not belong in a summary.
                 opcode if opcode <= op::DATA_END => return None,
                 opcode => summary.unknown.push((opcode, body.to_vec())),
             }
@@ -122,11 +124,11 @@ impl Summary {
         Some(summary)
     }
 
-    /// What the log holds, if this summary and what lies between the chunks that it describes account for
-    /// all of it without a contradiction; else `None`, and the log has to be read from start to end.
+    /// What the log contains, if this summary and the records between the chunks that it describes account for all of
+    /// it without a contradiction; else `None`, and the log has to be read from start to end.
     ///
-    /// A chunk whose index is complete is not opened: how many messages of which channels it has follows from
-    /// the lengths of its message indexes.
+    /// A chunk whose index is complete is not opened: how many messages it has on each channel follows from the lengths
+    /// of its message indexes.
     pub fn account_for(
         &self,
         file: &LogFile,
@@ -157,8 +159,8 @@ impl Summary {
         Ok(self.complete(&mut contents).then_some(contents))
     }
 
-    /// Adds to all that was found in the log what only the summary has, and counts it. Whether the summary leaves
-    /// out or contradicts none of it.
+    /// Adds what only the summary has to everything that was found in the log, and counts it. Returns whether the
+    /// summary neither omits nor contradicts anything.
     pub fn complete(&self, contents: &mut Contents) -> bool {
         let confirmed = self.supplement(contents);
         contents.statistics = contents.recount();
@@ -166,7 +168,7 @@ impl Summary {
         confirmed && statistics.is_some_and(|statistics| agree(statistics, contents))
     }
 
-    /// Whether this has the definitions in chunks that nobody needs to open who believes it.
+    /// Whether this repeats the definitions in chunks that a reader who trusts it would not open.
     pub fn repeats(&self, defined: &[DefinedInChunk]) -> bool {
         let chunks = self.chunk_indexes.iter().filter_map(indexed_chunk);
         let chunks: BTreeSet<u64> = chunks.map(|(segment, _)| segment.offset).collect();
@@ -178,8 +180,8 @@ impl Summary {
         (defined.iter()).all(|defined| !chunks.contains(&defined.chunk) || is_repeated(defined))
     }
 
-    /// Adds to what was found in the log the definitions that only the summary has, and takes over the bytes
-    /// of those of its records that say the same. Whether everything that it points to was found.
+    /// Adds the definitions that only the summary has to what was found in the log, and uses the summary's bytes of
+    /// those records that say the same. Returns whether everything that the summary points to was found.
     fn supplement(&self, contents: &mut Contents) -> bool {
         let Definitions { schemas, channels } = &mut contents.definitions;
         for (id, said) in &self.definitions.schemas {
@@ -227,7 +229,7 @@ impl Summary {
     }
 }
 
-/// Whether a log's own statistics are those of what was found in it, and everything is defined that is used.
+/// Whether a log's own statistics are those of what was found in it, and everything that is used is defined.
 fn agree(statistics: &Statistics, contents: &Contents) -> bool {
     let recount = &contents.statistics;
     let Definitions { schemas, channels } = &contents.definitions;
@@ -244,7 +246,7 @@ fn agree(statistics: &Statistics, contents: &Contents) -> bool {
         && (contents.schema_ids().iter()).all(|id| schemas.contains_key(id))
 }
 
-/// Collects the records from `start` to `end`; false where they break off.
+/// Collects the records from `start` to `end`. Returns whether they do not break off.
 fn collect(
     collector: &mut Collector,
     file: &LogFile,
@@ -261,8 +263,8 @@ fn collect(
     }
 }
 
-/// Gives the index records that were found the bytes of those that say the same. Whether all of those were
-/// found.
+/// Replaces index records that were found by those of the summary that say the same, for their bytes. Returns whether
+/// all of those were found.
 fn take_over<'a, T: PartialEq + Clone + 'a>(
     found: impl Iterator<Item = &'a mut Raw<T>>,
     said: &[Raw<T>],
@@ -282,8 +284,8 @@ fn take_over<'a, T: PartialEq + Clone + 'a>(
     said.is_empty()
 }
 
-/// A chunk as its index says it, and where its message indexes end; `None` where the index does not tell
-/// how many messages of which channels there are.
+/// A chunk as its index describes it, and where its message indexes end; `None` if the number of messages on each
+/// channel does not follow from the index.
 fn indexed_chunk(index: &Raw<ChunkIndex>) -> Option<(Segment, u64)> {
     let record = &index.record;
     let chunk_end = record.chunk_start_offset.checked_add(record.chunk_length)?;

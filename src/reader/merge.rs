@@ -12,7 +12,7 @@ use crate::{
     sample::{Kind, Sample},
 };
 
-/// The samples of one segment that were not taken yet, of which there is one at least.
+/// The samples of one segment that were not taken yet, at least one.
 struct SampleRun {
     next: Sample,
     others: vec::IntoIter<Sample>,
@@ -35,7 +35,7 @@ impl SampleRun {
     }
 }
 
-/// The run whose next sample is first is the greatest, as it is to be on top of a heap.
+/// The run whose next sample is first is the greatest, because it has to be at the top of a heap.
 impl Ord for SampleRun {
     fn cmp(&self, other: &Self) -> Ordering {
         other.place().cmp(&self.place())
@@ -56,8 +56,8 @@ impl PartialEq for SampleRun {
 
 impl Eq for SampleRun {}
 
-/// Gives all samples to `take` in order, each with how many bytes were read by then. The n-th of `runs` has those of
-/// the n-th part, in the order of their times and kinds; it is asked for when all samples before its part's start were
+/// Passes all samples to `take` in order, each with how many bytes were read by then. The n-th of `runs` has those of
+/// the n-th part, in the order of their times and kinds; it is requested when all samples before its part's start were
 /// taken.
 pub fn merge<E: From<ReadError>>(
     parts: &[Part],
@@ -81,10 +81,10 @@ pub fn merge<E: From<ReadError>>(
     Ok(())
 }
 
-/// Takes the first sample, if it is earlier than all that are not read yet.
+/// Takes the first sample, if it is earlier than all that have not been read yet.
 fn take_first(held: &mut BinaryHeap<SampleRun>, unread_from: Option<u64>) -> Option<Sample> {
     let mut first = held.peek_mut()?;
-    // At equal times the one that is not read yet may lie earlier in the file.
+    // At equal times, one that has not been read yet may be earlier in the file.
     if unread_from.is_some_and(|start| first.next.stamp().log_time >= start) {
         return None;
     }

@@ -14,10 +14,10 @@ use crate::{
     source::Source,
 };
 
-/// More threads than this would wait for the disk, or for the one that takes the samples.
+/// More threads than this would only wait for the disk, or for the one that takes the samples.
 const MOST_WORKERS: usize = 3;
 
-/// Fewer bytes than this are read about as soon as threads are started.
+/// Reading fewer bytes than this takes about as long as starting threads.
 const WORTH_THREADS: u64 = 4 * 1024 * 1024;
 
 /// Reads the samples of one part after the other, reusing its buffers.
@@ -63,7 +63,7 @@ impl<'a> Worker<'a> {
     }
 }
 
-/// How many workers read these parts sooner than fewer would.
+/// The number of workers that is worth its cost for these parts.
 fn worthwhile_workers(parts: &[Part]) -> usize {
     let bytes: u64 = parts.iter().map(|part| part.segment.length).sum();
     if bytes < WORTH_THREADS {
@@ -73,10 +73,11 @@ fn worthwhile_workers(parts: &[Part]) -> usize {
     cores.min(MOST_WORKERS).min(parts.len())
 }
 
-/// Reads the samples of all parts, gives them to `take` in order, and gives the source and what was dropped.
+/// Reads the samples of all parts, passes them to `take` in order, and returns the source and what was dropped.
 ///
-/// The workers read the parts in turn, and each goes on when its samples were taken over. So each has those of one part
-/// at most, and an error is that of the first part that has one, whoever is faster.
+/// The workers read the parts in turn, and hand over the samples of one part at a time, through a channel without room:
+/// each continues only when its samples were taken. So each holds those of one part at most, and an error is that of
+/// the first part that has one, whichever worker is faster.
 pub fn read<E: From<ReadError>>(
     log: &Log,
     mut source: Source,
@@ -97,7 +98,7 @@ pub fn read<E: From<ReadError>>(
                 let mut worker = Worker::new(log, source.clone());
                 let work = move || {
                     for part in parts.iter().skip(first).step_by(count) {
-                        // Nobody asks any more after an error.
+                        // After an error, or when `take` has failed, nobody takes it any more.
                         if done.send(worker.read(part)).is_err() {
                             break;
                         }
@@ -107,7 +108,7 @@ pub fn read<E: From<ReadError>>(
                 (scope.spawn(work), result)
             })
             .unzip();
-        // A worker that is gone before it has read its parts has panicked.
+        // A worker that ends before it has read its parts has panicked. That is resumed when it is joined.
         let runs = results
             .iter()
             .cycle()

@@ -1,10 +1,10 @@
-//! What can go wrong with a run as a whole.
+//! Errors of a run as a whole.
 
 use std::path::PathBuf;
 
 use crate::{error::Error, log::JournalError, report::MissingTopic, writer::original::Lost};
 
-/// Why a run has no result, beside what was wrong with its input and its output.
+/// Why a run has no result, apart from problems with its input and its output.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 // What each variant and field is, its message says.
@@ -48,7 +48,7 @@ pub enum RunError {
     },
 }
 
-/// What an interrupted run leaves behind.
+/// What an interrupted run leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)]
@@ -57,7 +57,7 @@ pub enum Left {
     Nothing,
     #[error("the log is as it was")]
     Unchanged,
-    #[error("what was written is not whole")]
+    #[error("what was written is incomplete")]
     Incomplete,
 }
 

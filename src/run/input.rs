@@ -12,16 +12,16 @@ use crate::fs::ReadAt;
 pub enum Input<'a> {
     /// A file.
     File(PathBuf),
-    /// What can be read by position as a file can: an object in a bucket, memory.
+    /// Anything else that can be read by position: an object in a bucket, memory.
     Bytes {
-        /// What reports and errors call it.
+        /// Its name in reports and errors.
         name: PathBuf,
         /// The bytes.
         bytes: Box<dyn ReadAt>,
     },
-    /// What is read once, from front to back: a pipe.
+    /// Something that is read once, from front to back: a pipe.
     Stream {
-        /// What reports and errors call it.
+        /// Its name in reports and errors.
         name: PathBuf,
         /// The stream.
         stream: Box<dyn Read + 'a>,
@@ -29,7 +29,7 @@ pub enum Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    /// What can be read by position as a file can, and what reports and errors call it.
+    /// Anything that can be read by position, and its name in reports and errors.
     pub fn bytes(name: impl AsRef<Path>, bytes: impl ReadAt + 'static) -> Self {
         Self::Bytes {
             name: name.as_ref().into(),
@@ -37,7 +37,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// What is read once, from front to back, and what reports and errors call it.
+    /// Something that is read once, from front to back, and its name in reports and errors.
     pub fn stream(name: impl AsRef<Path>, stream: impl Read + 'a) -> Self {
         Self::Stream {
             name: name.as_ref().into(),
@@ -45,7 +45,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// What reports and errors call it.
+    /// Its name in reports and errors.
     pub fn name(&self) -> &Path {
         match self {
             Self::File(path) => path,

@@ -15,22 +15,22 @@ pub enum Output<'a> {
     File {
         /// Its path.
         path: PathBuf,
-        /// Whether what is there already is replaced.
+        /// Whether a file that exists is replaced.
         overwrite: bool,
     },
-    /// The file that the log comes from. However the run ends, nothing is lost: until it is done, what is replaced is
-    /// kept in a journal beside the file, from which the next run recovers it.
+    /// The log's own file. However the run ends, nothing is lost: until it is done, what is replaced is kept in a
+    /// journal beside the file, from which the next run recovers it.
     InPlace,
-    /// What is open already, for instance a pipe. If it is a file, what is written goes to its handle's position.
+    /// An open file or pipe, written to from its current position.
     Handle {
-        /// What reports and errors call it.
+        /// Its name in reports and errors.
         name: PathBuf,
-        /// The handle, to which the system can copy by itself.
+        /// The handle, to which the kernel can copy a log's bytes.
         handle: File,
     },
-    /// Anything else that takes bytes.
+    /// Anything else that bytes can be written to.
     Stream {
-        /// What reports and errors call it.
+        /// Its name in reports and errors.
         name: PathBuf,
         /// The stream.
         stream: Box<dyn Write + 'a>,
@@ -38,7 +38,7 @@ pub enum Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// What is open already, for instance a pipe, and what reports and errors call it.
+    /// An open file or pipe, and its name in reports and errors.
     pub fn handle(name: impl AsRef<Path>, handle: File) -> Self {
         Self::Handle {
             name: name.as_ref().into(),
@@ -46,7 +46,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Anything that takes bytes, and what reports and errors call it.
+    /// Anything that bytes can be written to, and its name in reports and errors.
     pub fn stream(name: impl AsRef<Path>, stream: impl Write + 'a) -> Self {
         Self::Stream {
             name: name.as_ref().into(),
@@ -54,7 +54,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// What reports and errors call it.
+    /// Its name in reports and errors; in place that of the input.
     pub(crate) fn name(&self, input: &Path) -> PathBuf {
         match self {
             Self::File { path, .. } => path.clone(),

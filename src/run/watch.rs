@@ -1,4 +1,4 @@
-//! How far a run is, and ending it early.
+//! Watching how far a run is, and ending it early.
 
 use std::{fmt, ops::ControlFlow, sync::Arc};
 
@@ -14,7 +14,7 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Whoever watches a run; by default nobody.
+/// What is called with the progress of a run; by default nothing.
 #[derive(Clone, Default)]
 pub struct Watch {
     progress: Option<Arc<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>>,
@@ -22,11 +22,10 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Calls `watch` now and then with how far the run is. A run that it breaks ends with an error, and leaves
-    /// everything as it was.
+    /// Calls `watch` with the progress of the run, about twenty times a second or more. If it returns `Break`, the run
+    /// ends with an error and leaves everything as it was.
     ///
-    /// It is called on the run's threads, several of which may do so at the same time, and at least some twenty times
-    /// a second.
+    /// It is called from several threads, perhaps at the same time.
     pub fn new(watch: impl Fn(Progress) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
         Self {
             progress: Some(Arc::new(watch)),
@@ -34,8 +33,7 @@ impl Watch {
         }
     }
 
-    /// Calls `reached` at each step of a change in place, on the thread that makes the change. For tests of what is
-    /// found when a run ends there.
+    /// Calls `reached` at each step of a change in place, for tests of what an interruption leaves at that step.
     #[doc(hidden)]
     pub fn on_step(self, reached: impl Fn(JournalStep) + Send + Sync + 'static) -> Self {
         Self {
@@ -44,7 +42,7 @@ impl Watch {
         }
     }
 
-    pub(super) fn is_anybody(&self) -> bool {
+    pub(super) fn is_on(&self) -> bool {
         self.progress.is_some()
     }
 
@@ -64,7 +62,6 @@ impl Watch {
 
 impl fmt::Debug for Watch {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let is_anybody = self.is_anybody();
-        f.debug_tuple("Watch").field(&is_anybody).finish()
+        f.debug_tuple("Watch").field(&self.is_on()).finish()
     }
 }

@@ -23,17 +23,17 @@ pub struct Appender<'a, W> {
     /// What is written to, for errors.
     path: PathBuf,
     section: Section<W>,
-    /// What the log has behind its data section. Had before the first write, because that may replace it.
+    /// The attachment with the log's end. Made before the first write, which may overwrite that end.
     tail: Vec<u8>,
     channels: NewChannels<'a>,
     batch: Batch,
-    /// What the log holds, with the message indexes that its chunks lacked.
+    /// What the log contains, with the message indexes that its chunks lacked.
     contents: Cow<'a, Contents>,
 }
 
 impl<'a, W: Write> Appender<'a, W> {
-    /// Starts behind the log's data section, which is where `out` goes on. The new messages will be in the
-    /// `format`; errors call what is written to `path`.
+    /// Starts after the log's data section, where `out` is positioned. The new messages are written in `format`; errors
+    /// call the output `path`.
     ///
     /// # Errors
     /// The output cannot be written, or the log cannot be read.
@@ -103,7 +103,7 @@ impl<W: Write> LogWriter for Appender<'_, W> {
 impl<W: Write> Appender<'_, W> {
     fn write_batch(&mut self) -> Result<(), WriteError> {
         let (section, batch) = (&mut self.section, &mut self.batch);
-        // A chunk index would hide the messages that lie outside chunks.
+        // A chunk index would hide the messages outside chunks.
         let written = match self.log.contents.has_loose_messages() {
             false => section.write_chunk(batch),
             true => section.write_loose(batch),

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use binrw::BinWrite;
 use mcap::records::{Channel, MessageHeader, SchemaHeader, op};
 
 use super::{
@@ -12,35 +11,35 @@ use super::{
 };
 use crate::{
     derived::{Derived, Quantity},
-    log::{Log, record::serialize},
+    log::{
+        Log,
+        record::{serialize, serialize_into},
+    },
     messages::{Format, MessageDefinition},
 };
 
-/// Turns derived values into messages on channels that the log had not.
+/// Turns derived values into messages on new channels.
 pub struct NewChannels<'a> {
     log: &'a Log,
     format: Format,
-    channels: BTreeMap<Quantity, NewChannel>,
+    channels: BTreeMap<Quantity, u16>,
+    messages: BTreeMap<Quantity, u64>,
     /// The ids of their schemas, by name.
     schemas: BTreeMap<&'static str, u16>,
-    /// The ids that are in use, the new ones included.
+    /// The ids in use, including new ones.
     schema_ids: BTreeSet<u16>,
     channel_ids: BTreeSet<u16>,
     body: Vec<u8>,
 }
 
-struct NewChannel {
-    id: u16,
-    messages: u64,
-}
-
 impl<'a> NewChannels<'a> {
-    /// None yet. Their messages will be in the `format`.
+    /// For a log, with messages in `format`.
     pub fn new(log: &'a Log, format: Format) -> Self {
         Self {
             log,
             format,
             channels: BTreeMap::new(),
+            messages: BTreeMap::new(),
             schemas: BTreeMap::new(),
             schema_ids: log.contents.schema_ids(),
             channel_ids: log.contents.channel_ids(),
@@ -50,9 +49,7 @@ impl<'a> NewChannels<'a> {
 
     /// Messages by quantity. One without messages has no channel.
     pub fn messages(&self) -> BTreeMap<Quantity, u64> {
-        (self.channels.iter())
-            .map(|(&quantity, channel)| (quantity, channel.messages))
-            .collect()
+        self.messages.clone()
     }
 
     /// Adds a value's message to the batch, and before the first of a topic its channel.
@@ -66,24 +63,21 @@ impl<'a> NewChannels<'a> {
         added: &mut Added,
     ) -> Result<(), WriteError> {
         let quantity = derived.quantity();
-        if !self.channels.contains_key(&quantity) {
-            let id = self.add(quantity, batch, added)?;
-            self.channels
-                .insert(quantity, NewChannel { id, messages: 0 });
-        }
-        let channel = self.channels.get_mut(&quantity).expect("it was just added");
+        let channel_id = match self.channels.get(&quantity) {
+            Some(&id) => id,
+            None => self.add(quantity, batch, added)?,
+        };
+        let messages = self.messages.entry(quantity).or_default();
         let header = MessageHeader {
-            channel_id: channel.id,
+            channel_id,
             // Sequence numbers wrap around, which takes a year of messages at 100 Hz.
-            sequence: channel.messages as u32,
+            sequence: *messages as u32,
             log_time: derived.stamp.log_time,
             publish_time: derived.stamp.publish_time,
         };
-        channel.messages += 1;
+        *messages += 1;
         self.body.clear();
-        header
-            .write_le(&mut binrw::io::Cursor::new(&mut self.body))
-            .expect("writing to memory does not fail");
+        serialize_into(&mut self.body, &header);
         self.format.encoding.encode(derived, &mut self.body);
         batch.push_message(header.channel_id, header.log_time, &self.body);
         Ok(())
@@ -108,6 +102,7 @@ impl<'a> NewChannels<'a> {
         });
         batch.push_definition(op::CHANNEL, &channel);
         added.channels.insert(id, channel);
+        self.channels.insert(quantity, id);
         Ok(id)
     }
 

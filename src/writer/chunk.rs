@@ -1,4 +1,4 @@
-//! A chunk that is being filled, and what a compressed one looks like.
+//! Filling a chunk, and compressing it.
 
 use std::{collections::BTreeMap, io};
 
@@ -9,32 +9,32 @@ use crate::log::{
     record::{push_record, serialize},
 };
 
-/// What MCAP calls the compression of new chunks.
+/// The compression of new chunks, as MCAP names it.
 const COMPRESSION: &str = "zstd";
 
-/// Bytes of a new chunk before compression: so few that a viewer that seeks loads little.
+/// Bytes of a new chunk before compression: few enough that a viewer that seeks loads little.
 const FULL: usize = 1024 * 1024;
 
-/// Records that belong into one chunk, or, where a log must have none, behind one another in its data section.
+/// Records that make a chunk, or, in a log that must have none, follow one another in its data section.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// The records, as they will lie in the file.
+    /// The records, as they will be in the file.
     records: Vec<u8>,
-    /// Where the messages of each channel lie in them.
+    /// The offsets in them of the messages of each channel.
     indexes: BTreeMap<u16, Vec<MessageIndexEntry>>,
     times: Option<(u64, u64)>,
 }
 
-/// A chunk and its message indexes, as they will lie in the file.
+/// A chunk and its message indexes, as they will be in the file.
 pub struct Chunk {
     /// The records.
     pub bytes: Vec<u8>,
-    /// Where they will lie.
+    /// Where they will be.
     pub index: ChunkIndex,
 }
 
 impl Batch {
-    /// The records, as they will lie in the file.
+    /// The records, as they will be in the file.
     pub fn records(&self) -> &[u8] {
         &self.records
     }
@@ -71,14 +71,14 @@ impl Batch {
         push_record(&mut self.records, op::MESSAGE, body);
     }
 
-    /// Forgets all records.
+    /// Removes all records.
     pub fn clear(&mut self) {
         self.records.clear();
         self.indexes.clear();
         self.times = None;
     }
 
-    /// The chunk that holds the records and goes to `position` in the file.
+    /// The chunk with the records, to be written at `position` in the file.
     pub fn compress(
         &self,
         position: u64,

@@ -1,4 +1,4 @@
-//! Taking over a log's bytes as they are.
+//! Copying a log's bytes as they are.
 
 use std::{
     io::{self, Write},
@@ -8,17 +8,17 @@ use std::{
 use super::error::WriteError;
 use crate::{fs, log::file::LogFile};
 
-/// How much the system copies between two looks at whether to go on.
+/// How much the kernel copies before it is checked whether to continue.
 const STEP: u64 = 16 * 1024 * 1024;
 
-/// What is in memory of a log that the system cannot copy by itself.
+/// How much is held in memory of a log that the kernel cannot copy.
 const PIECE: u64 = 1024 * 1024;
 
-/// Copies some of a log's bytes, where they are in a file by the system itself.
+/// Copies some of a log's bytes; where they are in a file, in the kernel. `copied` is called now and then with the
+/// offset up to which they are copied.
 ///
 /// # Errors
-/// `copied`, which is called now and then with how far the copy is, breaks it off; or reading or writing fails,
-/// which `failed` makes an error of.
+/// Reading fails, writing fails, which `failed` turns into an error, or `copied` breaks the copy off.
 pub fn copy_range(
     log: &LogFile,
     range: Range<u64>,

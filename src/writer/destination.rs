@@ -1,4 +1,4 @@
-//! Where a result goes: a file that appears under its name only when it is complete.
+//! A new file, which appears under its name only when it is complete.
 
 #[cfg(unix)]
 use std::os::unix::fs::PermissionsExt;
@@ -17,7 +17,7 @@ use crate::{
     log::journal::journal_of,
 };
 
-/// What a new file permits before the user's mask takes away from it.
+/// The permissions of a new file before the user's mask is applied.
 #[cfg(unix)]
 const NEW_FILE: u32 = 0o666;
 
@@ -30,11 +30,11 @@ pub struct Destination {
 }
 
 impl Destination {
-    /// Checks that a result may be written to `path`. The input is known if it is a file.
+    /// Checks that a result may be written to `path`. `input` is the path of the log, if it is in a file.
     ///
     /// # Errors
-    /// Something is there already and may not be overwritten, it is the input itself, its folder does not exist,
-    /// or a journal is left there.
+    /// Something is there already and may not be overwritten, it is the input itself, its folder does not exist, or a
+    /// journal has been left there.
     pub fn new(input: Option<&Path>, path: &Path, overwrite: bool) -> Result<Self, WriteError> {
         let names_a_folder = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         if path.is_dir() || names_a_folder {
@@ -59,7 +59,7 @@ impl Destination {
         if fs::symlink_metadata(path).is_ok() && !overwrite {
             return Err(WriteError::OutputExists { path: path.into() });
         }
-        // Whoever opens the result would take it for the log that was being changed.
+        // The next run that opens the result would take it for the log that was being changed.
         let journal = journal_of(path);
         if journal.exists() {
             let path = path.into();
@@ -77,8 +77,8 @@ impl Destination {
         &self.path
     }
 
-    /// Starts the file, under a temporary name in the same folder, with these permissions, or those that any new
-    /// file gets.
+    /// Creates the file under a temporary name in the same folder, with these permissions, or else with those of any
+    /// new file.
     pub(crate) fn create(&self, permissions: Option<Permissions>) -> Result<Pending, WriteError> {
         let mut prefix = OsString::from(".");
         prefix.push(self.path.file_name().unwrap_or_default());
@@ -124,7 +124,7 @@ impl Pending {
     /// Makes the file durable and gives it its name.
     ///
     /// # Errors
-    /// Something has come to be there meanwhile that may not be overwritten, or the disk fails.
+    /// Something that may not be overwritten has been created there meanwhile, or the disk fails.
     pub fn commit(self) -> Result<(), WriteError> {
         let Self { file, destination } = self;
         let failed = |source| destination.write_error(source);

@@ -25,7 +25,7 @@ pub enum WriteError {
     #[error(transparent)]
     Read(#[from] ReadError),
 
-    /// Whoever was told how far the copying of the log is wants no more of it.
+    /// The callback that gets the progress of copying the log broke it off.
     #[error("cancelled")]
     Cancelled,
 

@@ -1,9 +1,9 @@
-//! Interleaving: behind each of a log's chunks what was derived from its time, for readers that use no index.
+//! Interleaving: each of a log's chunks is followed by what was derived from its time, for readers that use no index.
 //!
-//! The log's data is cut into pieces where its segments begin: the first piece is what lies before them all, every
-//! other one is a segment and what follows it. A value goes behind the pieces that hold anything as early as it is,
-//! and before all others, so that where the log is in time order so is the result. Values come in time order, so
-//! the pieces are copied as their times pass, and nothing has to be held.
+//! The log's data is cut into pieces where its segments start: the first piece is everything before the first segment,
+//! every other one is a segment and what follows it. A value goes after all pieces that have anything as early as it
+//! is, and before the others, so that if the log is in time order so is the result. Values come in time order, so the
+//! pieces are copied as their times pass, and nothing has to be held.
 
 use std::{
     collections::BTreeMap,
@@ -29,7 +29,7 @@ use crate::{
     messages::Format,
 };
 
-/// Writes a log anew, with new channels among its chunks. All of its messages will lie in chunks.
+/// Rewrites a log with new channels among its chunks. All messages of the result are in chunks.
 pub struct Interleaver<'a, W> {
     log: &'a Log,
     /// What is written to, for errors.
@@ -37,24 +37,24 @@ pub struct Interleaver<'a, W> {
     section: Section<W>,
     channels: NewChannels<'a>,
     batch: Batch,
-    /// The pieces to come: of each the earliest time that it or one behind it has.
+    /// For each piece the earliest time in it or in any piece after it.
     starts: Vec<u64>,
     /// How many pieces are written.
     written: usize,
-    /// What the log holds; of what is written, where it lies now.
+    /// What the log contains; for what has been written, where it is now.
     contents: Contents,
     moves: Moves,
-    /// Of the log's bytes so far, where it says what it should be.
+    /// Of the log's bytes so far, if the log says what it should be.
     checksum: Option<Hasher>,
     reader: SegmentReader<'a>,
     on_copied: OnCopied<'a>,
 }
 
-/// Is called with how many of the log's bytes are written, and says whether to go on.
+/// Is called with the number of the log's bytes that are written, and says whether to continue.
 pub type OnCopied<'a> = Box<dyn FnMut(u64) -> ControlFlow<()> + 'a>;
 
 impl<'a, W: Write> Interleaver<'a, W> {
-    /// Begins a log in `out`. The new messages will be in the `format`; errors call what is written to `path`.
+    /// Starts a log in `out`. The new messages are written in `format`; errors call the output `path`.
     ///
     /// # Errors
     /// The output cannot be written.
@@ -114,7 +114,7 @@ impl<W: Write> LogWriter for Interleaver<'_, W> {
             checksum,
             ..
         } = *self;
-        // A right checksum would make damaged data look whole.
+        // A correct checksum would make damaged data look intact.
         let checksum_was_wrong = checksum.map(Hasher::finalize) != log.data_crc;
         if checksum_was_wrong {
             section.drop_checksum();
@@ -161,7 +161,7 @@ impl<W: Write> Interleaver<'_, W> {
         Ok(())
     }
 
-    /// Writes what of a segment cannot stay as it is; gives where that begins which can.
+    /// Writes what has to be changed of a segment. Returns the offset from which on the bytes can be copied.
     fn write_segment(&mut self, number: usize) -> Result<u64, WriteError> {
         let segment = &self.log.contents.segments[number];
         let position = self.section.position();
@@ -209,7 +209,7 @@ impl<W: Write> Interleaver<'_, W> {
         written.map_err(|source| self.failed(source))
     }
 
-    /// Writes messages that lay outside chunks as a chunk.
+    /// Writes messages that were outside chunks as a chunk.
     fn gather(&mut self, run: &Segment) -> Result<ChunkIndex, WriteError> {
         let file = &self.log.file;
         let bytes = file.read(run.offset, run.length)?;
@@ -231,7 +231,7 @@ impl<W: Write> Interleaver<'_, W> {
         Ok(index)
     }
 
-    /// Takes over bytes of the log as they are.
+    /// Copies bytes of the log as they are.
     fn copy(&mut self, range: Range<u64>) -> Result<(), WriteError> {
         self.moves.push(range.clone(), self.section.position());
         let failed = |source| WriteError::output(&self.path, source);
@@ -248,7 +248,7 @@ impl<W: Write> Interleaver<'_, W> {
     }
 }
 
-/// Of each piece of a log with these segments: the earliest time that it or one behind it has.
+/// For each piece of a log with these segments the earliest time in it or in any piece after it.
 fn starts(segments: &[Segment]) -> Vec<u64> {
     let mut earliest = u64::MAX;
     let mut starts: Vec<u64> = (segments.iter().rev())
@@ -263,24 +263,24 @@ fn starts(segments: &[Segment]) -> Vec<u64> {
     starts
 }
 
-/// Where bytes of the log went that stayed as they were.
+/// Where the bytes went that were copied as they are.
 #[derive(Default)]
 struct Moves(Vec<(Range<u64>, u64)>);
 
 impl Moves {
-    /// Ranges come in their order, the first of them from 0 on.
+    /// Ranges come in order, and the first one starts at 0.
     fn push(&mut self, range: Range<u64>, position: u64) {
         self.0.push((range, position));
     }
 
-    /// Where the byte went that had been at `offset`, which is in one of the ranges.
+    /// The new offset of the byte at `offset`, which must be in one of the ranges.
     fn of(&self, offset: u64) -> u64 {
-        let behind = self.0.partition_point(|(range, _)| range.start <= offset);
-        let (range, position) = &self.0[behind - 1];
+        let next = self.0.partition_point(|(range, _)| range.start <= offset);
+        let (range, position) = &self.0[next - 1];
         position + (offset - range.start)
     }
 
-    /// How many bytes there are.
+    /// The number of bytes.
     fn length(&self) -> u64 {
         self.0
             .iter()

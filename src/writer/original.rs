@@ -1,7 +1,7 @@
-//! The original of an enriched log: what the result carries of it, and how it is had back.
+//! The original of an enriched log: how it is kept in the result, and recovered from it.
 //!
-//! The result begins with the original's bytes up to its data section's end. What the original had from there
-//! on is an attachment of the result, the last record of its data section.
+//! The result starts with the original's bytes up to the end of its data section. The rest of the original is in an
+//! attachment of the result, the last record of its data section.
 
 use std::{
     fs::File,
@@ -28,7 +28,7 @@ pub const NAME: &str = "flightcam/original_tail";
 /// Its content is a `flightcam.v1.OriginalTail`.
 pub(super) const MEDIA_TYPE: &str = "application/x-protobuf";
 
-/// How much of the tail is in memory uncompressed.
+/// How much of the uncompressed tail is held in memory.
 const PIECE: u64 = 1024 * 1024;
 
 /// A log as it was before flightcam added to it.
@@ -36,8 +36,7 @@ const PIECE: u64 = 1024 * 1024;
 pub struct Original {
     /// The original.
     pub log: Log,
-    /// What had been made of it by the run that was undone for it; or why none was, so that the log is what the
-    /// file has.
+    /// The earlier run that is undone in it; or why none is, so that the log is the file as it is.
     pub undone: Result<EarlierRun, Lost>,
 }
 
@@ -57,10 +56,10 @@ pub enum Lost {
 }
 
 impl Original {
-    /// Of a log, enriched or not. Nothing is written: of an enriched log the end is merely read from elsewhere.
+    /// Of a log, enriched or not. Nothing is written: the end of an enriched log is only read from elsewhere.
     ///
     /// # Errors
-    /// The log cannot be read, or what it carries of its original is none.
+    /// The log cannot be read, or what it contains of its original is not a log.
     pub fn of(log: Log) -> Result<Self, ReadError> {
         let (message, tail) = match find(&log)? {
             Ok(found) => found,
@@ -74,25 +73,25 @@ impl Original {
         let undone = Ok(provenance::earlier_run(&log)?);
         let start = message.data_end;
         let log = Log::read(log.file.with_tail(start, tail, message.tail_length))?;
-        // Its data section is taken from the file itself, so the tail must not have a part of that.
+        // Its data section is read from the file itself, so the tail must not contain a part of that.
         if log.data_end != start {
             return Err(log.file.damaged(start, Damage::MisplacedEnd));
         }
         Ok(Self { log, undone })
     }
 
-    /// Checks that the log has none of the topics that are to be added, be it from an earlier run that cannot be
-    /// undone or from somebody else.
+    /// Checks that the log has none of the topics that are to be added, neither from an earlier run that cannot be
+    /// undone nor from another program.
     ///
     /// # Errors
-    /// It has one; the error tells whose it is.
+    /// It has one; the error says from where.
     pub fn check_topics_are_free(&self) -> Result<(), WriteError> {
         let lost = self.undone.as_ref().err().copied();
         provenance::check_topics_are_free(&self.log, lost.unwrap_or(Lost::Rewritten))
     }
 }
 
-/// What the log has behind its data section, and what identifies the data section, ready to be attached.
+/// The content of the attachment: what the log has after its data section, and what identifies the data section.
 pub(super) fn encode(log: &Log) -> Result<Vec<u8>, ReadError> {
     let data_end = log.data_end;
     let prefix = Prefix::of(log.file.own_bytes(), data_end)
@@ -110,8 +109,8 @@ pub(super) fn encode(log: &Log) -> Result<Vec<u8>, ReadError> {
     Ok(message.encode_to_vec())
 }
 
-/// The log from `start` on as a zstd frame, and the hash of what was compressed. Piece by piece, because a
-/// recorder that crashed can leave gigabytes of zeros.
+/// The log from `start` on as a zstd frame, and the hash of its uncompressed bytes. Piece by piece, because a recorder
+/// that crashed can leave gigabytes of zeros.
 fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), ReadError> {
     let failed = |source| ReadError::io("cannot compress the end of", log.file.path(), source);
     let mut sha256 = Sha256::new();
@@ -129,7 +128,7 @@ fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), ReadError> {
     Ok((zstd.finish().map_err(failed)?, sha256.finalize().to_vec()))
 }
 
-/// What a log carries of the original, with the uncompressed tail, or why there is nothing that can be trusted.
+/// What a log contains of its original, with the uncompressed tail, or why there is nothing that can be trusted.
 fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, ReadError> {
     let attachments = &log.contents.attachments;
     let mut indexes = attachments.iter().map(|index| &index.record);
@@ -207,13 +206,13 @@ impl OriginalTail {
     fn decompress(&self) -> io::Result<Option<File>> {
         let mut file = tempfile::tempfile()?;
         let mut sha256 = Sha256::new();
-        // One byte more than there should be tells a longer tail from a right one.
+        // Reading one byte more than there should be detects a longer tail.
         let mut zstd =
             zstd::Decoder::new(self.tail_zstd.as_slice())?.take(self.tail_length.saturating_add(1));
         let mut piece = vec![0; PIECE as usize];
         let mut length = 0;
         loop {
-            // A damaged frame is no trouble with the disk.
+            // A damaged frame is not an error of the disk.
             let read = match zstd.read(&mut piece) {
                 Ok(0) => break,
                 Ok(read) => read,

@@ -1,4 +1,4 @@
-//! How derived messages were made: a Metadata record that says so, and by which they are recognised.
+//! How derived messages were made: the Metadata record that says so, and by which they are recognised.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -14,16 +14,16 @@ use crate::{
 /// The name of the Metadata record.
 pub const NAME: &str = "flightcam";
 
-/// The key under which the tool's version stands.
+/// The key of flightcam's version.
 const VERSION: &str = "version";
 
-/// The key under which the topics stand that a run wrote, joined by commas.
+/// The key of the topics that a run wrote, joined by commas.
 const TOPICS: &str = "topics";
 
-/// The key under which the layout stands.
+/// The key of the layout.
 const LAYOUT: &str = "layout";
 
-/// The Metadata record for a run: which tool, which topics, and whatever else the caller knows of it.
+/// The Metadata record of a run: the version, the topics, the layout, and what else the caller knows about it.
 pub(super) fn record(
     quantities: impl Iterator<Item = Quantity>,
     layout: Layout,
@@ -40,11 +40,11 @@ pub(super) fn record(
     }
 }
 
-/// Checks that the log has none of the topics yet, be it from an earlier run, of which it is `lost` how to undo
-/// it, or from somebody else.
+/// Checks that the log has none of the topics yet, neither from an earlier run, which cannot be undone for the reason
+/// `lost`, nor from another program.
 ///
 /// # Errors
-/// It has one; the error tells whose it is.
+/// It has one; the error says from where.
 pub(super) fn check_topics_are_free(log: &Log, lost: Lost) -> Result<(), WriteError> {
     for quantity in Quantity::ALL {
         let mut channels = log
@@ -79,7 +79,7 @@ pub(super) fn check_topics_are_free(log: &Log, lost: Lost) -> Result<(), WriteEr
     Ok(())
 }
 
-/// The run of flightcam that made a log.
+/// The run of flightcam that wrote a log.
 ///
 /// # Errors
 /// The log cannot be read.
@@ -88,7 +88,7 @@ pub(super) fn earlier_run(log: &Log) -> Result<EarlierRun, ReadError> {
     Ok(records.last().map(EarlierRun::of).unwrap_or_default())
 }
 
-/// Why a log that has no attachment with the original's end has none.
+/// Why a log has no attachment with the original's end.
 pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, ReadError> {
     let records = log.metadata(NAME)?;
     let is_interleaved = |record: &Metadata| {
@@ -105,7 +105,7 @@ pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, ReadError> {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct EarlierRun {
-    /// Of flightcam.
+    /// The version of flightcam.
     pub version: Option<String>,
     /// The camera, in words.
     pub camera: Option<String>,

@@ -1,4 +1,4 @@
-//! The data section's end as it grows, and what the summary will have to say of it.
+//! The end of the data section while it grows, and what the summary will have to say about it.
 
 use std::{
     collections::BTreeMap,
@@ -18,10 +18,10 @@ use crate::log::{
     record::{push_record, serialize},
 };
 
-/// What is in memory of a log whose bytes pass through this program.
+/// How much is held in memory of a log whose checksum is computed while it is copied.
 const PIECE: u64 = 1024 * 1024;
 
-/// The fastest of zstd's levels: of numbers that look like noise the next ones make hardly less.
+/// The fastest of zstd's levels, because the next ones hardly make numbers that look like noise smaller.
 const COMPRESSION_LEVEL: i32 = 1;
 
 /// What was added to a data section.
@@ -31,11 +31,11 @@ pub struct Added {
     pub schemas: BTreeMap<u16, Vec<u8>>,
     /// Bodies of channel records, by id.
     pub channels: BTreeMap<u16, Vec<u8>>,
-    /// Where the chunks lie.
+    /// Where the chunks are.
     pub chunk_indexes: Vec<ChunkIndex>,
-    /// Where the attachments lie.
+    /// Where the attachments are.
     pub attachment_indexes: Vec<AttachmentIndex>,
-    /// Where the Metadata records lie.
+    /// Where the Metadata records are.
     pub metadata_indexes: Vec<MetadataIndex>,
     /// Messages by channel.
     pub message_counts: BTreeMap<u16, u64>,
@@ -43,11 +43,11 @@ pub struct Added {
     pub times: Option<(u64, u64)>,
 }
 
-/// A data section that goes on from some position.
+/// A data section that is continued from some position.
 pub struct Section<W> {
     out: W,
     position: u64,
-    /// Of the section so far, where it is to have a checksum.
+    /// Of the section so far, if it is to have a checksum.
     crc: Option<Hasher>,
     compressor: zstd::bulk::Compressor<'static>,
     /// What was added.
@@ -55,7 +55,7 @@ pub struct Section<W> {
 }
 
 impl<W: Write> Section<W> {
-    /// Continues at `position`, and the checksum of what lies before.
+    /// Continues at `position`, with the checksum of what is before it.
     ///
     /// # Errors
     /// There is no memory for compressing.
@@ -74,7 +74,7 @@ impl<W: Write> Section<W> {
         self.position
     }
 
-    /// Writes bytes that the summary need not know of.
+    /// Writes bytes that the summary need not list.
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.out.write_all(bytes)?;
         if let Some(crc) = &mut self.crc {
@@ -84,12 +84,11 @@ impl<W: Write> Section<W> {
         Ok(())
     }
 
-    /// Takes over some of the bytes that a log's file itself has, and gives their checksum if the section is to
-    /// have one; if not, the system can copy them by itself.
+    /// Copies some of a log's bytes, and returns their checksum if the section is to have one; if not, the kernel can
+    /// copy them.
     ///
     /// # Errors
-    /// `copied`, which is called now and then with how far the copy is, breaks it off; the log cannot be read; or
-    /// the output cannot be written, which `failed` makes an error of.
+    /// Those of [`copy_range`].
     pub fn copy(
         &mut self,
         log: &LogFile,
@@ -121,7 +120,7 @@ impl<W: Write> Section<W> {
         Ok(Some(crc_of_range))
     }
 
-    /// The section shall have no checksum after all.
+    /// Leaves out the section's checksum after all.
     pub fn drop_checksum(&mut self) {
         self.crc = None;
     }
@@ -138,8 +137,7 @@ impl<W: Write> Section<W> {
         Ok(())
     }
 
-    /// Writes a batch as a chunk with its message indexes; that of messages which the log itself has, so that they
-    /// are not counted as added.
+    /// Writes a batch of the log's own messages as a chunk with its message indexes, without counting them as added.
     pub fn write_gathered(&mut self, batch: &Batch) -> io::Result<ChunkIndex> {
         let chunk = batch.compress(self.position, &mut self.compressor)?;
         self.write(&chunk.bytes)?;
@@ -187,7 +185,7 @@ impl<W: Write> Section<W> {
         self.write(&record)
     }
 
-    /// Ends the section, and the file with the summary that `summarise` makes for its position; gives the file's
+    /// Ends the section, and the file, with the summary that `summarise` makes for its position. Returns the file's
     /// length.
     pub fn finish(
         mut self,

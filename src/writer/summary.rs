@@ -1,4 +1,4 @@
-//! The summary of the whole: what the log held, as it said it, and what was added.
+//! The summary of the result: what the log had, in its own bytes, and what was added.
 
 use std::collections::BTreeMap;
 
@@ -11,10 +11,10 @@ use crate::log::{
     record::{Raw, push_record, serialize},
 };
 
-/// Everything behind the data section's end at `start`: the summary, its offsets, the footer and the magic.
+/// Everything after the data section, which ends at `start`: the summary, its offsets, the footer and the magic bytes.
 ///
-/// `contents` is what the log held, where that lies now. Its records are written as the bytes that they are, so
-/// that fields which a later version of the format appended to them survive.
+/// `contents` is what the log had, where that is now. Its records are written byte for byte, so that fields which a
+/// later version of the format has appended to them survive.
 pub fn encode(contents: &Contents, added: &Added, start: u64) -> Vec<u8> {
     let mut groups = Groups {
         start,
@@ -36,8 +36,8 @@ pub fn encode(contents: &Contents, added: &Added, start: u64) -> Vec<u8> {
     let statistics = merge_statistics(contents, added);
     groups.push(op::STATISTICS, [serialize(&statistics)].into_iter());
 
-    // Readers that find a chunk index look for messages nowhere else. Where messages lie outside chunks there
-    // is none, so that readers look everywhere.
+    // Readers that find a chunk index look for messages nowhere else. If there are messages outside chunks, the result
+    // has none, so that readers look everywhere.
     if !contents.has_loose_messages() {
         let chunks = contents
             .segments
@@ -72,7 +72,7 @@ pub fn encode(contents: &Contents, added: &Added, start: u64) -> Vec<u8> {
     groups.finish()
 }
 
-/// New message indexes of a chunk that go to `position`, and put into its chunk index where they lie.
+/// New message indexes of a chunk, to be written at `position`. Puts their offsets into its chunk index.
 pub fn encode_message_indexes(
     chunk: &mut Raw<ChunkIndex>,
     indexes: Vec<MessageIndex>,
@@ -90,7 +90,7 @@ pub fn encode_message_indexes(
 fn merge_statistics(contents: &Contents, added: &Added) -> Statistics {
     let mut merged = contents.statistics.clone();
     if let Some((start, end)) = added.times {
-        // The times of no message do not count.
+        // The times of a log without messages do not count.
         let is_first = merged.message_count == 0;
         let times = (merged.message_start_time, merged.message_end_time);
         let (earliest, latest) = if is_first { (start, end) } else { times };
@@ -107,7 +107,7 @@ fn merge_statistics(contents: &Contents, added: &Added) -> Statistics {
     merged
 }
 
-/// A summary section that is being put together group by group.
+/// A summary section, built group by group.
 struct Groups {
     start: u64,
     bytes: Vec<u8>,
@@ -146,7 +146,7 @@ impl Groups {
             summary_crc: 0,
         };
         push_record(&mut self.bytes, op::FOOTER, &serialize(&footer));
-        // The checksum is the footer's last field, and covers all before it, the footer's start included.
+        // The checksum is the footer's last field, and covers everything before it, including the start of the footer.
         let crc_at = self.bytes.len() - size_of::<u32>();
         let crc = crc32fast::hash(&self.bytes[..crc_at]);
         self.bytes[crc_at..].copy_from_slice(&crc.to_le_bytes());

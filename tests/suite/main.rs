@@ -32,6 +32,7 @@ mod enrich {
     mod disk_full;
     mod durability;
     mod in_place;
+    mod input;
     mod kill;
 }
 

@@ -1,4 +1,4 @@
-//! The messages of a passing log that are followed.
+//! The selected messages of a log that is passed on, as a log of their own.
 
 use std::{
     fs::File,
@@ -17,28 +17,28 @@ use crate::log::{
     record::{RawMessage, push_record},
 };
 
-/// Writes down the messages that are followed.
+/// Writes the selected messages to a temporary file.
 pub struct Excerpt<F> {
-    follow: F,
+    select: F,
     file: BufWriter<File>,
-    /// Of the record at hand.
+    /// Those of the current record.
     messages: Vec<u8>,
-    /// How many bytes there are of each of the log's segments.
+    /// The number of bytes of each of the log's segments.
     lengths: Vec<u64>,
 }
 
 impl<F: FnMut(Passing) -> bool> Excerpt<F> {
-    /// Those that `follow` says.
-    pub fn new(follow: F) -> Result<Self, ReadError> {
+    /// For the messages that `select` selects.
+    pub fn new(select: F) -> Result<Self, ReadError> {
         Ok(Self {
-            follow,
+            select,
             file: BufWriter::new(tempfile::tempfile().map_err(temporary)?),
             messages: Vec::new(),
             lengths: Vec::new(),
         })
     }
 
-    /// Takes a message, given with the body of its record, if it is to be followed.
+    /// Takes a message, given with the body of its record, if it is selected.
     pub fn consider(
         &mut self,
         definitions: &Definitions,
@@ -47,20 +47,20 @@ impl<F: FnMut(Passing) -> bool> Excerpt<F> {
         record: &[u8],
     ) {
         let channel = definitions.channels.get(&message.channel_id);
-        let is_followed = channel.is_none_or(|channel| {
-            (self.follow)(Passing {
+        let is_selected = channel.is_none_or(|channel| {
+            (self.select)(Passing {
                 message,
                 channel: &channel.record,
                 segment,
                 definitions,
             })
         });
-        if is_followed {
+        if is_selected {
             push_record(&mut self.messages, op::MESSAGE, record);
         }
     }
 
-    /// Writes down the messages that were taken, which lie in the last of so many segments.
+    /// Writes the messages that were taken, which are in the last of that many segments.
     pub fn write_to(&mut self, segments: usize) -> Result<(), ReadError> {
         self.lengths.resize(segments, 0);
         if let Some(length) = self.lengths.last_mut() {

@@ -1,4 +1,4 @@
-//! Records as they come and are passed on.
+//! Reading records from a pipe and passing them on.
 
 use std::{
     io::{self, BufReader, BufWriter, Read, Write},
@@ -17,22 +17,22 @@ use crate::log::{
     scan::{Bodies, Frame},
 };
 
-/// A longer record is not held in memory while it comes, but in a file.
+/// A longer record is spooled to a file while it comes, not held in memory.
 const LONG: u64 = 16 * 1024 * 1024;
 
-/// How much of a long record is in memory at once.
+/// How much of a long record is held in memory at once.
 const PIECE: u64 = 1024 * 1024;
 
-/// As much as a pipe of the system holds.
+/// As much as a pipe of the system buffers.
 const BUFFER: usize = 64 * 1024;
 
 /// A log between its input and its output.
 pub struct Pipe<'a, R: Read, W: Write> {
     input: Named<'a, BufReader<R>>,
     output: Named<'a, BufWriter<W>>,
-    /// Where the record at hand starts; all before it was passed on.
+    /// Where the current record starts; everything before it has been passed on.
     position: u64,
-    /// The record at hand, so far as it has come; of a long one only the frame.
+    /// What has come of the current record; of a long one only the frame.
     record: Vec<u8>,
     /// The chunk that message indexes may still follow, and its record unless that is long.
     chunk: Option<Frame>,
@@ -59,12 +59,12 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         })
     }
 
-    /// Where the record at hand starts, or the next will.
+    /// Where the current record starts, or the next one will.
     pub fn position(&self) -> u64 {
         self.position
     }
 
-    /// Reads, checks and passes on what every log starts with.
+    /// Reads, checks and passes on the magic bytes and the header.
     pub fn pass_on_header(&mut self) -> Result<Header, ReadError> {
         let magic_length = mcap::MAGIC.len() as u64;
         self.read(magic_length)?;
@@ -83,7 +83,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         Ok(header)
     }
 
-    /// Reads what the next record starts with; `None` where no record does.
+    /// Reads the frame of the next record; `None` if there is none.
     pub fn read_frame(&mut self) -> Result<Option<Frame>, ReadError> {
         self.record.clear();
         self.read(FRAME_LENGTH as u64)?;
@@ -95,7 +95,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }))
     }
 
-    /// Reads the rest of the record at hand; whether all of it came.
+    /// Reads the rest of the current record. Returns whether all of it came.
     pub fn read_body(&mut self, frame: &Frame) -> Result<bool, ReadError> {
         if !is_long(frame) {
             return self.read(frame.length);
@@ -105,7 +105,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         Ok(copied == frame.length)
     }
 
-    /// The body of the record at hand, which is whole.
+    /// The body of the current record, which must be whole.
     pub fn body(&self, frame: &Frame) -> Result<Body<'_>, ReadError> {
         let name = self.input.name;
         Ok(match is_long(frame) {
@@ -120,7 +120,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         })
     }
 
-    /// Passes on the record at hand, which is whole.
+    /// Passes on the current record, which must be whole.
     pub fn pass_on(&mut self, frame: &Frame) -> Result<(), ReadError> {
         if is_long(frame) {
             let file = self.spool.open(self.input.name)?;
@@ -148,8 +148,8 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }
     }
 
-    /// Keeps the latest chunk if it is not indexed, else forgets it. No more message indexes follow it, and of what
-    /// does nothing was kept yet.
+    /// Keeps the latest chunk if it is not indexed, else discards it. To be called when no more message indexes follow
+    /// it, and before anything after it is kept.
     pub fn settle_chunk(&mut self, is_indexed: bool) -> Result<(), ReadError> {
         let Some(chunk) = self.chunk.take() else {
             return Ok(());
@@ -161,23 +161,23 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }
     }
 
-    /// Holds back the record at hand, so far as it has come, and all that still comes. Gives all that was kept.
+    /// Holds back what has come of the current record, and everything after it. Returns everything that was kept.
     pub fn hold_back_the_rest(mut self) -> Result<LogFile, ReadError> {
         flush(&mut self.output)?;
         self.spool.write(self.position, &self.record)?;
         let held_back = self.position + self.record.len() as u64;
-        // A long record that breaks off is there already.
+        // A long record that breaks off has been spooled already.
         let held_back = self.spool.end()?.max(held_back);
         self.hold_back(held_back, u64::MAX)?;
         self.spool.finish(self.input.name, self.position)
     }
 
-    /// Reads so many bytes more of the record at hand; whether they came.
+    /// Reads that many bytes more of the current record. Returns whether they came.
     fn read(&mut self, length: u64) -> Result<bool, ReadError> {
         read_up_to(&mut self.input, &mut self.output, &mut self.record, length)
     }
 
-    /// Keeps at most so many bytes of the input, which lie at an offset; how many there were.
+    /// Keeps at most that many bytes of the input, which are at `offset`. Returns how many came.
     fn hold_back(&mut self, offset: u64, most: u64) -> Result<u64, ReadError> {
         let mut held_back = 0;
         let mut piece = Vec::new();
@@ -193,7 +193,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }
     }
 
-    /// Passes on what is in memory of the record at hand.
+    /// Passes on what is in memory of the current record.
     fn pass_record(&mut self) -> Result<(), ReadError> {
         let record = std::mem::take(&mut self.record);
         let passed = self.pass(&record);
@@ -238,7 +238,7 @@ impl Bodies for Body<'_> {
     }
 }
 
-/// Reads so many bytes more; whether they came. What was passed on reaches the output before the input makes wait.
+/// Reads that many bytes more. Returns whether they came. Before it waits for the input, it flushes the output.
 fn read_up_to(
     input: &mut Named<BufReader<impl Read>>,
     output: &mut Named<BufWriter<impl Write>>,
@@ -262,7 +262,7 @@ fn cannot_write(name: &Path, source: io::Error) -> ReadError {
     ReadError::io("cannot write", name, source)
 }
 
-/// Whether a record is held in a file.
+/// Whether a record is spooled to a file.
 fn is_long(frame: &Frame) -> bool {
     frame.length > LONG
 }

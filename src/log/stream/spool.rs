@@ -1,4 +1,4 @@
-//! The bytes of a passing log that may be needed again.
+//! The bytes of a log that is passed on that may be needed again.
 
 use std::{
     fs::File,
@@ -8,10 +8,10 @@ use std::{
 
 use crate::log::{error::ReadError, file::LogFile};
 
-/// How much is kept of either end of what was passed on.
+/// How much is kept of each end of what was passed on.
 const ENDS: usize = 64 * 1024;
 
-/// Bytes of a log at their places in a file that has holes where all the others would be.
+/// Some of a log's bytes, at their offsets in a temporary file that has holes in place of the others.
 pub struct Spool {
     file: File,
     /// The first bytes that were passed on.
@@ -29,7 +29,7 @@ impl Spool {
         })
     }
 
-    /// Keeps bytes that lie at an offset.
+    /// Keeps the bytes at `offset`.
     pub fn write(&mut self, offset: u64, bytes: &[u8]) -> Result<(), ReadError> {
         let sought = self.file.seek(SeekFrom::Start(offset));
         sought
@@ -37,12 +37,12 @@ impl Spool {
             .map_err(temporary)
     }
 
-    /// Forgets all that was written from an offset on.
+    /// Discards everything that was written from an offset on.
     pub fn forget(&mut self, from: u64) -> Result<(), ReadError> {
         self.file.set_len(from).map_err(temporary)
     }
 
-    /// Notes bytes that were passed on, behind those before.
+    /// Notes the next bytes that were passed on.
     pub fn pass(&mut self, bytes: &[u8]) {
         let room = ENDS - self.head.len();
         self.head.extend_from_slice(&bytes[..bytes.len().min(room)]);
@@ -51,23 +51,23 @@ impl Spool {
             self.foot.clear();
         }
         self.foot.extend_from_slice(last);
-        // Not each time, because moving the rest to the front takes longer than most records.
+        // Not every time, because moving the rest to the front takes longer than passing on most records.
         if self.foot.len() > 2 * ENDS {
             self.foot.drain(..self.foot.len() - ENDS);
         }
     }
 
-    /// What is kept so far, for reading.
+    /// What has been kept so far, for reading.
     pub fn open(&self, name: &Path) -> Result<LogFile, ReadError> {
         LogFile::from_file(name, self.file.try_clone().map_err(temporary)?)
     }
 
-    /// Where what is kept ends.
+    /// The end of what has been kept.
     pub fn end(&self) -> Result<u64, ReadError> {
         Ok(self.file.metadata().map_err(temporary)?.len())
     }
 
-    /// All that was kept of a log whose data section ends there.
+    /// Everything that was kept of a log whose data section ends at `data_end`.
     pub fn finish(mut self, name: &Path, data_end: u64) -> Result<LogFile, ReadError> {
         let (head, foot) = (
             std::mem::take(&mut self.head),

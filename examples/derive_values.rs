@@ -1,0 +1,36 @@
+//! Derives the camera's motion from a log without writing a log, and prints it as a table:
+//!
+//! ```sh
+//! cargo run --example derive_values -- flight.mcap
+//! ```
+
+use std::{env, error::Error, ops::ControlFlow};
+
+use flightcam::{Options, derive, derived::Value, geometry::DepressionAngle};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let input = env::args().nth(1).ok_or("the argument is a log")?;
+    let options = Options::new().depression(DepressionAngle::from_degrees(30.0)?);
+    let outcome = derive(input, &options, |values| {
+        for derived in values {
+            let time = derived.stamp.log_time as f64 / 1e9;
+            match derived.value {
+                Value::RelativeRpy { rpy, .. } => {
+                    println!("{time:.3} rotation {} {} {}", rpy.roll, rpy.pitch, rpy.yaw);
+                }
+                Value::CameraVelocity(velocity) => {
+                    println!(
+                        "{time:.3} velocity {} {} {}",
+                        velocity.x, velocity.y, velocity.z
+                    );
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    })?;
+    if let Some(outcome) = outcome {
+        let breaks = outcome.breaks;
+        eprintln!("{} gaps, {} resets", breaks.gaps, breaks.resets);
+    }
+    Ok(())
+}
