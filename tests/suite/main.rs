@@ -15,6 +15,7 @@ mod cli {
     mod camera_and_telemetry;
     mod completions_and_manual;
     mod enrich;
+    mod help;
     mod inspect;
     mod profiles;
 }

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use flightcam::{sample::Kind, source::request::RoleArgument};
 use serde_json::{Value, json};
 
 use crate::support::{DERIVED, folder::*, message::Said, stream, topics::*};
@@ -69,47 +68,6 @@ fn a_log_whose_names_nobody_has_foreseen_yields_the_same_as_flat() {
     assert_eq!(report["profile"]["name"], "command line");
     assert_eq!(report["attitude"]["topic"], "/imu");
     assert_eq!(report["velocity"]["topic"], "/gps");
-}
-
-#[test]
-fn every_example_of_the_help_means_something() {
-    for subcommand in ["enrich", "inspect"] {
-        let (help, _) = Folder::new().run(&format!("{subcommand} --help"), 0);
-        let words: Vec<&str> = help.split_whitespace().collect();
-        let examples = words
-            .windows(2)
-            .filter(|pair| pair[1].starts_with('/') && pair[0].starts_with("--"));
-        let examples: Vec<(&str, &str)> = examples.map(|pair| (pair[0], pair[1])).collect();
-        assert!(examples.len() >= 10, "{examples:?}");
-        for (option, value) in examples {
-            // One stands in a sentence.
-            let value = value.trim_end_matches(',');
-            let role = Kind::ALL
-                .into_iter()
-                .find(|kind| option[2..] == *kind.name());
-            let parsed = role.map(|role| RoleArgument::parse(role, value));
-            assert!(matches!(parsed, Some(Ok(_))), "{option} {value}");
-        }
-    }
-}
-
-#[test]
-fn the_help_has_each_option_under_its_heading_and_fits_a_terminal() {
-    for form in ["-h", "--help"] {
-        let (help, _) = Folder::new().run(&format!("enrich {form}"), 0);
-        assert_reads(
-            &help,
-            "Usage: flightcam enrich <INPUT> [--depression <DEG>] [OPTIONS] … \
-             Options: … --output … --max-gap … --encoding … --force … --quiet … --json … \
-             Camera: … --depression … --mount … \
-             Telemetry: … --profile … --namespace … --attitude … --time … \
-             Examples: … flightcam enrich flight.mcap --depression 30",
-        );
-        assert!(
-            help.lines().all(|line| line.chars().count() <= 100),
-            "{help}"
-        );
-    }
 }
 
 mod a_mount {

@@ -1,0 +1,289 @@
+//! What `flightcam enrich` refuses: with which exit code and which advice, and that nothing is left behind.
+
+use super::*;
+
+#[test]
+fn a_file_that_is_no_log_is_refused_with_advice() {
+    let garbage = [mcap::MAGIC, &[0xc5; 300]].concat();
+    let cases: [(&[u8], &str); 8] = [
+        (b"roll,pitch,yaw\n", "magic bytes … the log you meant"),
+        (b"ULog\x01\x12\x35\x01", "PX4 ULog … convert it … Foxglove"),
+        (b"#ROSBAG V2.0\n", "ROS 1 bag … mcap convert"),
+        (b"SQLite format 3\0", "SQLite … ros2 bag convert"),
+        (b"\xa3\x95\x80\x80", "DataFlash … convert it"),
+        (b"", "empty … interrupted"),
+        (mcap::MAGIC, "byte 8 … header … mcap recover"),
+        (&garbage, "byte 8 … header … mcap recover"),
+    ];
+    for (content, message) in cases {
+        let message = format!("{LOG}: … {message}");
+        Folder::with(LOG, content).refuses(&enrich(""), 1, &message);
+    }
+}
+
+#[test]
+fn an_input_that_does_not_exist_is_refused() {
+    let message = "flight.mcap: cannot open";
+    Folder::new().refuses(&enrich(""), 1, message);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_input_that_is_a_folder_is_refused() {
+    let message = "flight.mcap: not a regular file … MCAP files";
+    Folder::with("flight.mcap/monday.mcap", "").refuses(&enrich(""), 1, message);
+}
+
+#[test]
+fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_there_is() {
+    let battery = topic("/battery", [json!({ "voltage": 15.9 })]);
+    let attitude = topic(
+        "/imu",
+        [json!({ "roll": 0, "pitch": 0, "yaw": 0, "vx": 0 })],
+    );
+    let fields = "`roll`, `pitch`, `yaw`, `vx`, `vy`, `vz`";
+    let nearest = format!(
+        "{fields}; /imu comes closest: it has no field `vy`, `vz`; … first messages has pitch, roll, vx, yaw"
+    );
+    let cases: [(&[Topic], &str, &str); 4] = [
+        (&[battery], fields, "topics of the log: … /battery (json"),
+        (&[attitude], &nearest, "/imu (json, no schema)"),
+        (&[], "no topic", "the log has no messages"),
+        (
+            &[topic("/drone/state", [])],
+            "no topic",
+            "the log has no messages",
+        ),
+    ];
+    for (topics, looked_for, present) in cases {
+        let message = format!(
+            "{LOG}: no usable telemetry … px4-ulog: there is no message on /vehicle_attitude … \
+             flat: … {looked_for} … {present} … --profile FILE.toml"
+        );
+        Folder::with(LOG, log(topics)).refuses(&enrich(""), 1, &message);
+    }
+}
+
+#[test]
+fn of_topics_that_fit_equally_well_the_user_chooses() {
+    let twins = ["/left", "/right"].map(|name| topic(name, states(5, 1.0)));
+    let message = "flight.mcap: /left and /right fit equally well … --attitude /left";
+    Folder::with(LOG, log(&twins)).refuses(&enrich(""), 1, message);
+}
+
+#[test]
+fn what_the_log_does_not_have_is_refused_with_the_option_that_asked_for_it() {
+    let folder = Folder::with(LOG, log(&[topic("/state", states(5, 1.0))]));
+    for (arguments, message) in [
+        (
+            "--namespace /drone1",
+            "no topic in the namespace /drone1 … /state … correct --namespace",
+        ),
+        (
+            "--velocity /gps.v:ned",
+            "velocity does not fit: there is no message on /gps … /state … correct --velocity",
+        ),
+        (
+            "--position /state.p:ned",
+            "position does not fit: /state: it has no field `p` … /state … correct --position",
+        ),
+        (
+            "--gimbal /state --profile flat",
+            "only a topic … gimbal … /state … give --gimbal fields",
+        ),
+        (
+            "--velocity /state --attitude /state.roll,/state.pitch,/state.yaw:radians",
+            "only a topic … velocity … /state … give --velocity fields",
+        ),
+    ] {
+        folder.refuses(&enrich(arguments), 1, message);
+    }
+}
+
+#[test]
+fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
+    let flight = || fs::read(FIXTURE).unwrap();
+    let schema = json!({ "type": "object", "properties": { "roll_deg": {} } });
+    let state = topic("/drone/state", states(5, 1.0));
+    let listed = (state.clone()).with_schema("State", "jsonschema", schema.to_string());
+    let foreign = Topic {
+        encoding: "flatbuffer",
+        ..state.with_schema("State", "flatbuffer", "table State {}")
+    };
+    let elsewhere = topic("/drone/status", states(5, 1.0));
+    let cases = [
+        (flight(), "rol", "`rol`; demo.DroneState has … yaw"),
+        (flight(), "timestamp", "`timestamp` is not a number"),
+        (state_log(1.0), "rol", "`rol`; … has pitch, roll, vx"),
+        (
+            log(&[listed]),
+            "roll",
+            "`roll`, `pitch`, `yaw`; … has roll_deg",
+        ),
+        (
+            log(&[foreign]),
+            "roll",
+            "`flatbuffer` … reads protobuf, JSON, ROS 2",
+        ),
+        (log(&[elsewhere]), "roll", "/drone/status (json"),
+    ];
+    for (log, roll, problem) in cases {
+        let folder = Folder::with(LOG, log);
+        folder.add("mine.toml", profile(roll));
+        let message = format!("{LOG}: … `mine` does not fit: … /drone/state … {problem}");
+        folder.refuses(&enrich("--profile mine.toml"), 1, &message);
+    }
+}
+
+#[test]
+fn a_profile_that_is_none_is_refused_with_the_place_and_the_choice() {
+    let folder = Folder::with_flight();
+    folder.add("torn.toml", "name = \"torn\"\n[attitude\n");
+    folder.add("typo.toml", profile("roll").replace("topics", "topic"));
+    for (profile, code, message) in [
+        (
+            "px4",
+            2,
+            "`px4` … px4-ulog, px4-ros2, mavros … flat, flat-deg … .toml",
+        ),
+        ("torn.toml", 2, "torn.toml: not a profile … line 2"),
+        (
+            "typo.toml",
+            2,
+            "typo.toml: … unknown key `attitude.topic` … docs/profiles.md",
+        ),
+        ("gone.toml", 2, "gone.toml: not a profile"),
+    ] {
+        folder.refuses(&enrich(&format!("--profile {profile}")), code, message);
+    }
+}
+
+#[test]
+fn a_missing_depression_is_explained_by_examples() {
+    let message = "does not say where the camera looks … --depression DEG … optical axis below the horizon … \
+                   --depression 0 … ahead … \
+                   --depression 30 … gimbal pitch of -30° … \
+                   --depression 90 … straight down";
+    Folder::with_flight().refuses("enrich flight.mcap", 2, message);
+}
+
+#[test]
+fn numbers_out_of_range_are_wrong_arguments() {
+    let folder = Folder::with_flight();
+    for (option, values, range) in [
+        ("--depression", "-90 90.5 nan", "than -90 … at most 90"),
+        (
+            "--max-gap",
+            "0 -1 nan",
+            "greater than 0 … at most 1000000000 s",
+        ),
+    ] {
+        for value in values.split(' ') {
+            let message = format!("'{value}' for '{option} … {range}");
+            folder.refuses(&format!("enrich {LOG} {option} {value}"), 2, &message);
+        }
+        let message = format!("'abc' for '{option} … not a number");
+        folder.refuses(&format!("enrich {LOG} {option} abc"), 2, &message);
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_is_refused() {
+    let folder = Folder::with_flight();
+    folder.add("results/monday.mcap", "");
+    for (output, message) in [
+        (
+            "out/x.mcap",
+            "no folder out for the output … create … another output with -o",
+        ),
+        (
+            "results",
+            "results: is a folder … name the output's file with -o",
+        ),
+        ("results --force", "results: is a folder"),
+        ("new/", "new/: is a folder"),
+    ] {
+        folder.refuses(&enrich(&format!("-o {output}")), 1, message);
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_output_folder_that_is_not_writable_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = Folder::with_flight();
+    fs::create_dir(folder.path("locked")).unwrap();
+    fs::set_permissions(folder.path("locked"), fs::Permissions::from_mode(0o555)).unwrap();
+    // Permissions do not stop root, but nobody creates files in /proc.
+    let is_locked = |name: &&str| {
+        let path = folder.path(name);
+        path.is_dir() && tempfile::tempfile_in(path).is_err()
+    };
+    let Some(locked) = ["locked", "/proc/self"].into_iter().find(is_locked) else {
+        return println!("skipped: there is no folder that this user may not write to");
+    };
+    let message = format!(
+        "{locked}/x.mcap: cannot create a file in the output's folder … choose another output with -o"
+    );
+    folder.refuses(&enrich(&format!("-o {locked}/x.mcap")), 1, &message);
+}
+
+#[test]
+fn the_input_is_never_replaced_however_it_is_spelled() {
+    let folder = Folder::with_flight();
+    let mut spellings = vec![LOG, "./flight.mcap"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(LOG, folder.path("link.mcap")).unwrap();
+        spellings.push("link.mcap");
+    }
+    for spelling in spellings {
+        for force in ["", "--force"] {
+            let message = format!("{spelling}: … would replace the input … -o");
+            folder.refuses(&enrich(&format!("-o {spelling} {force}")), 2, &message);
+        }
+    }
+}
+
+#[test]
+fn a_log_without_a_usable_sample_is_refused_with_the_counts() {
+    for (count, missing, rotations, velocities) in [
+        (
+            1,
+            "vx",
+            "has 1 of 1",
+            "0 of 1 usable, 1 without a field that is needed",
+        ),
+        (
+            50,
+            "yaw",
+            "has 0 of 50 usable, 50 without a field",
+            "50 before",
+        ),
+    ] {
+        let states = states_without(count, missing);
+        let message = format!(
+            "{LOG}: nothing can be derived … /camera/relative_rpy: … /drone/state {rotations} … \
+             /camera/velocity: … /drone/state has … {velocities}"
+        );
+        let folder = Folder::with(LOG, log(&[topic("/drone/state", states)]));
+        folder.refuses(&enrich(""), 1, &message);
+    }
+}
+
+#[test]
+fn damage_that_is_found_when_half_is_written_leaves_nothing_behind() {
+    let mut flight = fs::read(FIXTURE).unwrap();
+    flight[200_000..200_100].fill(0xff);
+    let message = "flight.mcap: damaged at byte … mcap recover";
+    Folder::with(LOG, flight).refuses(&enrich(""), 1, message);
+}
+
+#[test]
+fn a_topic_of_the_same_name_that_is_not_flightcams_is_refused() {
+    let foreign = topic("/camera/velocity", [json!({ "x": 1.0 })]);
+    let log = log(&[topic("/drone/state", states(5, 1.0)), foreign]);
+    let message = "flight.mcap: … /camera/velocity … flightcam did not write … rename or remove";
+    Folder::with(LOG, log).refuses(&enrich(""), 1, message);
+}
