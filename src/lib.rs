@@ -9,7 +9,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive`] gives the values
+//! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive()`] gives the values
 //! without writing them, [`inspect`] says what a log has, and [`restore`] undoes what `enrich` did. [`Options`] say
 //! how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its telemetry.
 //!
