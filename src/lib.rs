@@ -129,7 +129,7 @@ pub use restore::{Restored, restore};
 pub use run::{Input, Output, Progress, Watch};
 pub use sample::{DropReason, Kind, Stamp, Tallies, Tally};
 pub use source::{
-    Origin, RunnerUp, TooLarge,
+    Origin, RunnerUp,
     profile::ProfileChoice,
     request::{BadArgument, Request, RoleArgument},
 };

@@ -58,15 +58,6 @@ pub struct RunnerUp {
     pub attitude: Result<Origin, Misfit>,
 }
 
-/// An attitude whose angles are larger than radians can be.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TooLarge {
-    /// The attitude's topic.
-    pub topic: String,
-    /// The largest angle, which was read as radians like the others.
-    pub angle: f64,
-}
-
 impl Source {
     /// The prefix of the vehicle's topics; empty for a vehicle without.
     pub fn namespace(&self) -> &str {
@@ -134,15 +125,15 @@ impl Source {
         }
     }
 
-    /// What the user should look at twice, after all messages were read.
-    pub fn suspicion(&self) -> Option<TooLarge> {
+    /// An angle of the attitude that was read as radians and is larger than those can be, after all messages were
+    /// read.
+    pub fn suspicious_angle(&self) -> Option<f64> {
         let angles = self.channels.values().map(ChannelReader::largest_angles);
         let largest = angles.fold(LargestAngles::default(), LargestAngles::max);
         // A little more than a quarter and a full turn, for filters that overshoot.
         let limits = [(largest.pitch, 1.6), (largest.roll_or_yaw, 6.3)];
         let (angle, _) = limits.into_iter().find(|(angle, limit)| angle > limit)?;
-        let topic = self.attitude().topic.clone();
-        Some(TooLarge { topic, angle })
+        Some(angle)
     }
 }
 
@@ -150,16 +141,6 @@ impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let fields: Vec<String> = self.fields.iter().map(FieldPath::to_string).collect();
         write!(f, "{} has {}", self.topic, fields.join(", "))
-    }
-}
-
-impl fmt::Display for TooLarge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { topic, angle } = self;
-        write!(
-            f,
-            "{topic} has an angle of {angle:.1}, read as radians like all of its angles"
-        )
     }
 }
 

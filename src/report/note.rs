@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{CameraReport, lossy};
 use crate::{
     log::Log,
-    source::{Source, TooLarge},
+    source::Source,
     writer::{Layout, provenance::EarlierRun},
 };
 
@@ -108,7 +108,8 @@ impl Note {
     }
     /// Of telemetry whose angles are too large for radians, after all messages were read.
     pub(crate) fn on_suspicious_angle(source: &Source) -> Option<Self> {
-        let TooLarge { topic, angle } = source.suspicion()?;
+        let angle = source.suspicious_angle()?;
+        let topic = source.attitude().topic.clone();
         Some(Self::SuspiciousAngle { topic, angle })
     }
 }

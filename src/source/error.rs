@@ -198,15 +198,18 @@ fn as_text<S: Serializer>(cause: &Arc<BindError>, serializer: S) -> Result<S::Ok
 /// Why nothing was found.
 #[derive(Debug, thiserror::Error)]
 pub enum Unfit {
-    /// The log does not have what was looked for; another profile may fit.
+    /// Another profile may fit.
     #[error(transparent)]
     Misfit(#[from] Misfit),
-    /// The log does not have what the user asks for, whatever the profile.
+    /// No profile will: the log cannot be read, or does not have what the user asks for.
     #[error(transparent)]
-    Telemetry(#[from] TelemetryError),
-    /// The log cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
+    Hopeless(#[from] TelemetryError),
+}
+
+impl From<ReadError> for Unfit {
+    fn from(error: ReadError) -> Self {
+        Self::Hopeless(error.into())
+    }
 }
 
 /// The topics of a log that have messages, as its errors list them.

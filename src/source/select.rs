@@ -1,9 +1,8 @@
 //! Selecting the telemetry of a log: which profile, which vehicle, and which of the log's channels.
 
-mod channels;
 mod finder;
 mod fit;
-mod requested;
+mod search;
 
 use std::{cmp::Reverse, collections::BTreeSet};
 
@@ -94,7 +93,9 @@ impl Source {
             attitude: Ok(candidate.fit.attitude),
         });
         Ok(Self {
-            channels: finder.channels_of(profile, fit, &Kind::ALL)?,
+            channels: finder
+                .search(profile, &fit.namespace)
+                .channels(fit, &Kind::ALL)?,
             runners_up: runners_up.chain(misfits).collect(),
             profile: (*profile).clone(),
             fit: fit.clone(),
@@ -114,7 +115,8 @@ impl Source {
         let examples = FirstMessages::new(log);
         let finder = Finder::new(log, &examples, request);
         Ok(Self {
-            channels: finder.channels_of(&self.profile, &self.fit, kinds)?,
+            channels: (finder.search(&self.profile, &self.fit.namespace))
+                .channels(&self.fit, kinds)?,
             ..self
         })
     }
@@ -143,8 +145,7 @@ fn try_profiles<'p>(
                 profile: profile.name.clone(),
                 attitude: Err(misfit),
             }),
-            Err(Unfit::Telemetry(error)) => return Err(error),
-            Err(Unfit::Read(error)) => return Err(error.into()),
+            Err(Unfit::Hopeless(error)) => return Err(error),
         }
     }
     Ok((candidates, misfits))

@@ -1,20 +1,22 @@
-//! Looking for a profile's telemetry in a log.
+//! Looking for a profile's telemetry in a log: in which namespaces, and on which topics.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::Channel;
 
-use super::fit::{Fit, Specificity, specificity};
+use super::{
+    fit::{Fit, Specificity, specificity},
+    search::Search,
+};
 use crate::{
     decode::{FirstMessages, path::FieldPath, schema::MessageSchema},
     log::Log,
     sample::Kind,
     source::{
-        Origin,
-        bind::{BindError, Binder, bind_role, for_type},
-        error::{Misfit, TopicMisfit, Unfit},
-        pattern::is_within,
-        profile::{Alternative, Profile},
+        bind::BindError,
+        error::{LogTopics, Misfit, TelemetryError, TopicMisfit, Unfit},
+        pattern::{Pattern, is_within},
+        profile::Profile,
         request::{Request, RoleArgument},
     },
 };
@@ -27,8 +29,8 @@ pub struct Finder<'a> {
     /// The channels that have messages, by topic.
     pub topics: BTreeMap<&'a str, Vec<&'a Channel>>,
     /// The only namespace in which to look.
-    pub namespace: Option<&'a str>,
-    /// Where the user says that roles are.
+    namespace: Option<&'a str>,
+    /// Where the user says that roles are, which goes before what profiles say.
     pub requested: &'a BTreeMap<Kind, RoleArgument>,
 }
 
@@ -48,6 +50,41 @@ impl<'a> Finder<'a> {
         }
     }
 
+    /// Checks that the log has the namespace and the topics that the user names.
+    pub fn check_request(&self) -> Result<(), TelemetryError> {
+        if let Some(namespace) = self.namespace
+            && !(self.topics.keys()).any(|topic| is_within(topic, namespace))
+            && !namespace.is_empty()
+        {
+            return Err(TelemetryError::NoSuchNamespace {
+                path: self.log.file.path().into(),
+                namespace: namespace.to_owned(),
+                topics: LogTopics::of(self.log),
+            });
+        }
+        for (&kind, argument) in self.requested {
+            let is_there = |topic: &String| {
+                let pattern = Pattern::new("", topic);
+                self.topics.keys().any(|topic| pattern.is_match(topic))
+            };
+            let topics = argument.topics();
+            if !topics.is_empty() && !topics.iter().any(is_there) {
+                let topics = topics.to_vec();
+                return Err(self.role_does_not_fit(kind, Misfit::NoMessages { topics }));
+            }
+        }
+        Ok(())
+    }
+
+    pub fn role_does_not_fit(&self, role: Kind, misfit: Misfit) -> TelemetryError {
+        TelemetryError::RoleDoesNotFit {
+            path: self.log.file.path().into(),
+            role,
+            misfit: misfit.into(),
+            topics: LogTopics::of(self.log),
+        }
+    }
+
     /// Where a profile fits the log.
     ///
     /// # Errors
@@ -60,24 +97,23 @@ impl<'a> Finder<'a> {
     }
 
     fn fit_by_topics(&self, profile: &Profile) -> Result<Vec<Fit>, Unfit> {
-        let fits = self.namespaces(profile).into_iter().map(|namespace| {
-            let attitude = (self.choose(profile, Kind::Attitude, &namespace, None))
-                .map_err(|unfit| self.as_requested(Kind::Attitude, unfit))?;
-            self.complete(profile, &namespace, attitude)
-        });
-        any_or_first_misfit(fits)
+        let namespaces = self.namespaces(profile);
+        any_or_first_misfit(namespaces.iter().map(|namespace| {
+            let search = self.search(profile, namespace);
+            search.complete(search.attitude()?)
+        }))
     }
 
     /// The namespaces in which a profile may find its topics.
-    fn namespaces(&self, profile: &Profile) -> BTreeSet<String> {
+    fn namespaces(&self, profile: &Profile) -> BTreeSet<&str> {
         if let Some(namespace) = self.namespace {
-            return BTreeSet::from([namespace.to_owned()]);
+            return [namespace].into();
         }
         let mut namespaces = BTreeSet::new();
         if profile.namespaced {
             for pattern in self.namespaced_topics(profile) {
-                let within = (self.topics.keys()).filter_map(|topic| pattern.namespace_of(topic));
-                namespaces.extend(within.map(str::to_owned));
+                namespaces
+                    .extend((self.topics.keys()).filter_map(|topic| pattern.namespace_of(topic)));
             }
         }
         if let Some(attitude) = self.requested.get(&Kind::Attitude) {
@@ -85,22 +121,37 @@ impl<'a> Finder<'a> {
             namespaces.retain(|namespace| topics.iter().any(|topic| is_within(topic, namespace)));
         }
         if namespaces.is_empty() {
-            namespaces.insert(String::new());
+            namespaces.insert("");
         }
         namespaces
+    }
+
+    /// The topics that show a vehicle's namespace: those of the attitude, or where the user has given that, the
+    /// others.
+    fn namespaced_topics(&self, profile: &Profile) -> Vec<Pattern> {
+        let of_role = |kind: Kind| -> Vec<Pattern> {
+            let alternatives = match self.requested.contains_key(&kind) {
+                true => &[],
+                false => profile.alternatives(kind),
+            };
+            let topics = alternatives.iter().flat_map(|one| &one.place.topics);
+            topics.map(|topic| Pattern::new("", topic)).collect()
+        };
+        match of_role(Kind::Attitude) {
+            topics if topics.is_empty() => Kind::ALL.into_iter().flat_map(of_role).collect(),
+            topics => topics,
+        }
     }
 
     /// Looks through all topics for messages that have the attitude's fields.
     fn fit_by_fields(&self, profile: &Profile) -> Result<Vec<Fit>, Unfit> {
         let namespace = self.namespace.unwrap_or_default();
+        let search = self.search(profile, namespace);
         let mut attitudes = Vec::new();
         let mut misfits = Vec::new();
         for topic in (self.topics.keys()).filter(|topic| is_within(topic, namespace)) {
-            match self.bind_data_point(profile, namespace, topic) {
-                Ok(fields) => attitudes.push(Origin {
-                    topic: (*topic).to_owned(),
-                    fields,
-                }),
+            match search.data_point(topic) {
+                Ok(attitude) => attitudes.push(attitude),
                 Err(error) => misfits.push(TopicMisfit::new(topic, error.unless_of_reading()?)),
             }
         }
@@ -108,182 +159,25 @@ impl<'a> Finder<'a> {
             return Err(no_topic(profile, misfits).into());
         }
         let attitudes = attitudes.into_iter();
-        any_or_first_misfit(attitudes.map(|attitude| self.complete(profile, namespace, attitude)))
+        any_or_first_misfit(attitudes.map(|attitude| search.complete(attitude)))
     }
 
-    /// Resolves what the messages of any one topic must have: the attitude, and the velocity if that is required
-    /// and not requested from elsewhere.
-    fn bind_data_point(
-        &self,
-        profile: &Profile,
-        namespace: &str,
-        topic: &str,
-    ) -> Result<Vec<FieldPath>, BindError> {
-        let bind = |kind: Kind| {
-            let alternatives = self.at_topic(profile, kind, namespace, topic, topic);
-            self.bind(profile, kind, topic, &alternatives)
-        };
-        let attitude = bind(Kind::Attitude);
-        let is_elsewhere = self.requested.contains_key(&Kind::Velocity);
-        if is_elsewhere || !self.requires(profile, Kind::Velocity) {
-            return attitude;
-        }
-        let velocity = bind(Kind::Velocity);
-        match attitude {
-            Ok(fields) => velocity.map(|_| fields),
-            Err(error) => Err(error.and(velocity.err())),
+    /// Looks for what a profile names in one namespace.
+    pub fn search<'s>(&'s self, profile: &'s Profile, namespace: &'s str) -> Search<'s> {
+        Search {
+            finder: self,
+            profile,
+            namespace,
         }
     }
 
-    /// Whether a log without samples of a kind is none that a profile fits.
-    fn requires(&self, profile: &Profile, kind: Kind) -> bool {
-        let mut alternatives = profile.alternatives(kind).iter();
-        self.requested.contains_key(&kind)
-            || alternatives.any(|alternative| alternative.fields.is_required())
-    }
-
-    /// Adds to an attitude what else the profile finds beside it.
-    fn complete(&self, profile: &Profile, namespace: &str, attitude: Origin) -> Result<Fit, Unfit> {
-        let mut others = BTreeMap::new();
-        for kind in Kind::ALL.into_iter().filter(|&kind| kind != Kind::Attitude) {
-            let origin = match self.choose(profile, kind, namespace, Some(&attitude.topic)) {
-                Ok(origin) => Ok(origin),
-                Err(Unfit::Misfit(misfit)) if !self.is_needed(profile, kind, &misfit) => {
-                    Err(misfit)
-                }
-                Err(unfit) => return Err(self.as_requested(kind, unfit)),
-            };
-            others.insert(kind, origin);
-        }
-        Ok(Fit {
-            namespace: namespace.to_owned(),
-            attitude,
-            others,
-        })
-    }
-
-    /// Whether a profile does not fit where a role is missing for this reason.
-    fn is_needed(&self, profile: &Profile, kind: Kind, misfit: &Misfit) -> bool {
-        // There are messages where the profile says that the velocity is, and they are not what it says.
-        let is_fault = matches!(misfit, Misfit::Messages(_));
-        self.requires(profile, kind) || kind == Kind::Velocity && is_fault
-    }
-
-    /// The first of a role's topics that has messages with the fields; `own` is the attitude's.
-    fn choose(
-        &self,
-        profile: &Profile,
-        kind: Kind,
-        namespace: &str,
-        own: Option<&str>,
-    ) -> Result<Origin, Unfit> {
-        let mut fault = None;
-        for alternative in profile.alternatives(kind) {
-            let topics = alternative.place.topics.iter();
-            let named = topics.flat_map(|topic| {
-                let pattern = self.pattern(kind, namespace, topic);
-                pattern.matches(self.topics.keys().copied())
-            });
-            let own = own.filter(|_| alternative.place.topics.is_empty());
-            for topic in named.chain(own) {
-                match self.bind(profile, kind, topic, &[alternative]) {
-                    Ok(fields) => {
-                        let topic = topic.to_owned();
-                        return Ok(Origin { topic, fields });
-                    }
-                    // An alternative for another type of message says nothing of this one.
-                    Err(BindError::OtherType { .. }) => {}
-                    Err(error) => {
-                        let misfit = TopicMisfit::new(topic, error.unless_of_reading()?);
-                        fault.get_or_insert(misfit);
-                    }
-                }
-            }
-        }
-        Err(match fault {
-            Some(fault) => Misfit::Messages(fault),
-            None => self.why_nowhere(profile, kind, namespace, own),
-        }
-        .into())
-    }
-
-    /// Why a role is on none of the log's topics.
-    fn why_nowhere(
-        &self,
-        profile: &Profile,
-        kind: Kind,
-        namespace: &str,
-        own: Option<&str>,
-    ) -> Misfit {
-        let alternatives = profile.alternatives(kind);
-        let mut topics: Vec<String> = Vec::new();
-        for topic in alternatives.iter().flat_map(|one| &one.place.topics) {
-            let topic = self.pattern(kind, namespace, topic).to_string();
-            if !topics.contains(&topic) {
-                topics.push(topic);
-            }
-        }
-        match own {
-            _ if !topics.is_empty() => Misfit::NoMessages { topics },
-            Some(own) if !alternatives.is_empty() => Misfit::NotWithAttitude {
-                topic: own.to_owned(),
-            },
-            _ if self.requested.contains_key(&kind) => Misfit::OnlyATopic { role: kind },
-            _ => Misfit::NotInProfile {
-                profile: profile.name.clone(),
-                role: kind,
-            },
-        }
-    }
-
-    /// Resolves the fields of some alternatives against every channel of a topic; gives their names.
-    fn bind(
-        &self,
-        profile: &Profile,
-        kind: Kind,
-        topic: &str,
-        alternatives: &[&Alternative],
-    ) -> Result<Vec<FieldPath>, BindError> {
-        let mut fields = Vec::new();
-        for channel in &self.topics[topic] {
-            let alternatives = self.for_channel(channel, alternatives)?;
-            let schema = self.schema(channel)?;
-            let mut binder = Binder::new(&schema);
-            fields = bind_role(&mut binder, profile, kind, &alternatives)?.fields;
-        }
-        Ok(fields)
-    }
-
-    /// Those alternatives of a role that are meant for a topic; `own` is the attitude's.
-    pub fn at_topic<'p>(
-        &self,
-        profile: &'p Profile,
-        kind: Kind,
-        namespace: &str,
-        topic: &str,
-        own: &str,
-    ) -> Vec<&'p Alternative> {
-        let is_match = |text: &String| self.pattern(kind, namespace, text).is_match(topic);
-        let is_at_topic = |alternative: &&Alternative| match alternative.place.topics.as_slice() {
-            [] => own == topic,
-            topics => topics.iter().any(is_match),
-        };
-        let alternatives = profile.alternatives(kind).iter();
-        alternatives.filter(is_at_topic).collect()
-    }
-
-    /// Those alternatives that are meant for a channel's type of message.
-    pub fn for_channel<'p>(
-        &self,
-        channel: &Channel,
-        alternatives: &[&'p Alternative],
-    ) -> Result<Vec<&'p Alternative>, BindError> {
+    /// The name of a channel's type of message; empty where it has none.
+    pub fn schema_name(&self, channel: &Channel) -> &str {
         let schema = self.log.contents.schema_of(channel);
-        let name = schema.map_or("", |schema| schema.name.as_str());
-        for_type(name, alternatives.iter().copied())
+        schema.map_or("", |schema| schema.name.as_str())
     }
 
-    pub fn schema(&self, channel: &Channel) -> Result<MessageSchema<'a>, BindError> {
+    pub fn schema(&self, channel: &Channel) -> Result<MessageSchema<'_>, BindError> {
         let schema = self.log.contents.schema_of(channel);
         Ok(MessageSchema::of(channel, schema, self.examples)?)
     }

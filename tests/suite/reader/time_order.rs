@@ -112,13 +112,13 @@ fn all_threads_notice_what_is_suspicious() {
         let log = write(chunks_of(100_000, None), &flight(messages, 4000));
         let (_, outcome) = read(&log, PROFILE);
         let (source, _) = outcome.expect("a readable log");
-        source.suspicion()
+        assert_eq!(source.attitude().topic, "/attitude");
+        source.suspicious_angle()
     };
     // The yaw of the last messages is more than a turn.
     assert_eq!(suspicion(6000), None);
-    let degrees = suspicion(6600).expect("a suspicion");
-    assert_eq!(degrees.topic, "/attitude");
-    assert!((6.55..6.65).contains(&degrees.angle), "{degrees:?}");
+    let angle = suspicion(6600).expect("a suspicion");
+    assert!((6.55..6.65).contains(&angle), "{angle}");
 }
 
 #[test]

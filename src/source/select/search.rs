@@ -1,0 +1,257 @@
+//! Looking for what one profile names in one namespace of a log: on which topics its roles are, and how to read the
+//! topics' channels.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use mcap::records::Channel;
+
+use super::{Finder, Fit};
+use crate::{
+    log::ReadError,
+    sample::Kind,
+    source::{
+        Origin,
+        bind::{BindError, Binder, BoundRole, bind_role, for_type},
+        channel::ChannelReader,
+        error::{LogTopics, Misfit, TelemetryError, TopicMisfit, Unfit},
+        pattern::Pattern,
+        profile::{Alternative, Profile},
+        request::RoleArgument,
+    },
+};
+
+/// One profile in one namespace of a log.
+#[derive(Clone, Copy)]
+pub struct Search<'a> {
+    pub finder: &'a Finder<'a>,
+    pub profile: &'a Profile,
+    pub namespace: &'a str,
+}
+
+impl Search<'_> {
+    /// The attitude, on the topics that the profile names.
+    pub fn attitude(&self) -> Result<Origin, Unfit> {
+        let attitude = self.choose(Kind::Attitude, None);
+        attitude.map_err(|unfit| self.as_requested(Kind::Attitude, unfit))
+    }
+
+    /// The attitude on any one topic, where the velocity must be too if that is required and not requested from
+    /// elsewhere.
+    pub fn data_point(&self, topic: &str) -> Result<Origin, BindError> {
+        let bind = |kind| self.bind(kind, topic, &self.at_topic(kind, topic, topic));
+        let attitude = bind(Kind::Attitude);
+        let is_elsewhere = self.is_requested(Kind::Velocity);
+        if is_elsewhere || !self.requires(Kind::Velocity) {
+            return attitude;
+        }
+        match (attitude, bind(Kind::Velocity)) {
+            (Ok(attitude), velocity) => velocity.map(|_| attitude),
+            (Err(error), velocity) => Err(error.and(velocity.err())),
+        }
+    }
+
+    /// Adds to an attitude what else the profile finds beside it.
+    pub fn complete(&self, attitude: Origin) -> Result<Fit, Unfit> {
+        let mut others = BTreeMap::new();
+        for kind in Kind::ALL.into_iter().filter(|&kind| kind != Kind::Attitude) {
+            let origin = match self.choose(kind, Some(&attitude.topic)) {
+                Ok(origin) => Ok(origin),
+                Err(Unfit::Misfit(misfit)) if !self.needs(kind, &misfit) => Err(misfit),
+                Err(unfit) => return Err(self.as_requested(kind, unfit)),
+            };
+            others.insert(kind, origin);
+        }
+        Ok(Fit {
+            namespace: self.namespace.to_owned(),
+            attitude,
+            others,
+        })
+    }
+
+    /// Whether the profile does not fit where a role is missing for this reason.
+    fn needs(&self, kind: Kind, misfit: &Misfit) -> bool {
+        // There are messages where the profile says that the velocity is, and they are not what it says.
+        let is_fault = matches!(misfit, Misfit::Messages(_));
+        self.requires(kind) || kind == Kind::Velocity && is_fault
+    }
+
+    /// Whether the profile does not fit a log without samples of a kind.
+    fn requires(&self, kind: Kind) -> bool {
+        let mut alternatives = self.profile.alternatives(kind).iter();
+        self.is_requested(kind) || alternatives.any(|one| one.fields.is_required())
+    }
+
+    fn is_requested(&self, kind: Kind) -> bool {
+        self.finder.requested.contains_key(&kind)
+    }
+
+    /// Ends the search where a role is missing of which the user has given all, for then it is missing in every
+    /// profile.
+    fn as_requested(&self, kind: Kind, unfit: Unfit) -> Unfit {
+        match (unfit, self.finder.requested.get(&kind)) {
+            (Unfit::Misfit(misfit), Some(RoleArgument::Fields(_))) => {
+                self.finder.role_does_not_fit(kind, misfit).into()
+            }
+            (unfit, _) => unfit,
+        }
+    }
+
+    /// A topic as the profile names it, or as the user does, who names it as the log has it.
+    fn pattern(&self, kind: Kind, topic: &str) -> Pattern {
+        match self.is_requested(kind) {
+            true => Pattern::new("", topic),
+            false => Pattern::new(self.namespace, topic),
+        }
+    }
+
+    /// The first of a role's topics that has messages with the fields; `own` is the attitude's.
+    fn choose(&self, kind: Kind, own: Option<&str>) -> Result<Origin, Unfit> {
+        let mut fault = None;
+        for alternative in self.profile.alternatives(kind) {
+            let topics = alternative.place.topics.iter();
+            let named = topics.flat_map(|topic| {
+                let pattern = self.pattern(kind, topic);
+                pattern.matches(self.finder.topics.keys().copied())
+            });
+            let own = own.filter(|_| alternative.place.topics.is_empty());
+            for topic in named.chain(own) {
+                match self.bind(kind, topic, &[alternative]) {
+                    Ok(origin) => return Ok(origin),
+                    // An alternative for another type of message says nothing of this one.
+                    Err(BindError::OtherType { .. }) => {}
+                    Err(error) => {
+                        let misfit = TopicMisfit::new(topic, error.unless_of_reading()?);
+                        fault.get_or_insert(misfit);
+                    }
+                }
+            }
+        }
+        Err(match fault {
+            Some(fault) => Misfit::Messages(fault).into(),
+            None => self.why_nowhere(kind, own).into(),
+        })
+    }
+
+    /// Why a role is on none of the log's topics.
+    fn why_nowhere(&self, kind: Kind, own: Option<&str>) -> Misfit {
+        let alternatives = self.profile.alternatives(kind);
+        let mut topics: Vec<String> = Vec::new();
+        for topic in alternatives.iter().flat_map(|one| &one.place.topics) {
+            let topic = self.pattern(kind, topic).to_string();
+            if !topics.contains(&topic) {
+                topics.push(topic);
+            }
+        }
+        match own {
+            _ if !topics.is_empty() => Misfit::NoMessages { topics },
+            Some(own) if !alternatives.is_empty() => Misfit::NotWithAttitude {
+                topic: own.to_owned(),
+            },
+            _ if self.is_requested(kind) => Misfit::OnlyATopic { role: kind },
+            _ => Misfit::NotInProfile {
+                profile: self.profile.name.clone(),
+                role: kind,
+            },
+        }
+    }
+
+    /// Those alternatives of a role that are meant for a topic; `own` is the attitude's.
+    fn at_topic(&self, kind: Kind, topic: &str, own: &str) -> Vec<&Alternative> {
+        let is_match = |text: &String| self.pattern(kind, text).is_match(topic);
+        let alternatives = self.profile.alternatives(kind).iter();
+        alternatives
+            .filter(|alternative| match alternative.place.topics.as_slice() {
+                [] => own == topic,
+                topics => topics.iter().any(is_match),
+            })
+            .collect()
+    }
+
+    /// Resolves the fields of some alternatives against every channel of a topic.
+    fn bind(
+        &self,
+        kind: Kind,
+        topic: &str,
+        alternatives: &[&Alternative],
+    ) -> Result<Origin, BindError> {
+        let mut fields = Vec::new();
+        for channel in &self.finder.topics[topic] {
+            let alternatives = self.for_channel(channel, alternatives)?;
+            let schema = self.finder.schema(channel)?;
+            let mut binder = Binder::new(&schema);
+            fields = bind_role(&mut binder, self.profile, kind, &alternatives)?.fields;
+        }
+        let topic = topic.to_owned();
+        Ok(Origin { topic, fields })
+    }
+
+    /// Those alternatives that are meant for a channel's type of message.
+    fn for_channel<'p>(
+        &self,
+        channel: &Channel,
+        alternatives: &[&'p Alternative],
+    ) -> Result<Vec<&'p Alternative>, BindError> {
+        for_type(
+            self.finder.schema_name(channel),
+            alternatives.iter().copied(),
+        )
+    }
+
+    /// How to read each channel of a fit's topics for some kinds of sample.
+    pub fn channels(
+        &self,
+        fit: &Fit,
+        wanted: &[Kind],
+    ) -> Result<BTreeMap<u16, ChannelReader>, TelemetryError> {
+        // In the order of kinds, in which the samples of one message belong.
+        let roles: BTreeMap<Kind, &Origin> = (fit.roles().into_iter())
+            .filter(|(kind, _)| wanted.contains(kind))
+            .filter_map(|(kind, origin)| Some((kind, origin.ok()?)))
+            .collect();
+        let topics: BTreeSet<&str> = roles.values().map(|role| role.topic.as_str()).collect();
+        let mut channels = BTreeMap::new();
+        for channel in topics.iter().flat_map(|topic| &self.finder.topics[topic]) {
+            let kinds = (roles.iter())
+                .filter(|(_, role)| role.topic == channel.topic)
+                .map(|(&kind, _)| kind);
+            let reader = match self.reader(channel, kinds, &fit.attitude.topic) {
+                Ok(reader) => reader,
+                Err(error) => return Err(self.does_not_fit(channel, error)?),
+            };
+            channels.insert(channel.id, reader);
+        }
+        Ok(channels)
+    }
+
+    /// How to read a channel for some kinds of sample; `own` is the attitude's topic.
+    fn reader(
+        &self,
+        channel: &Channel,
+        kinds: impl Iterator<Item = Kind>,
+        own: &str,
+    ) -> Result<ChannelReader, BindError> {
+        let schema = self.finder.schema(channel)?;
+        let mut binder = Binder::new(&schema);
+        let bind = |kind| {
+            let alternatives = self.at_topic(kind, &channel.topic, own);
+            let alternatives = self.for_channel(channel, &alternatives)?;
+            bind_role(&mut binder, self.profile, kind, &alternatives)
+        };
+        let roles: Vec<BoundRole> = kinds.map(bind).collect::<Result<_, _>>()?;
+        ChannelReader::new(&schema, &binder.wanted, roles)
+    }
+
+    fn does_not_fit(
+        &self,
+        channel: &Channel,
+        error: BindError,
+    ) -> Result<TelemetryError, ReadError> {
+        let misfit = TopicMisfit::new(&channel.topic, error.unless_of_reading()?);
+        Ok(TelemetryError::ProfileDoesNotFit {
+            path: self.finder.log.file.path().into(),
+            profile: self.profile.name.clone(),
+            misfit: Misfit::Messages(misfit).into(),
+            topics: LogTopics::of(self.finder.log),
+        })
+    }
+}
