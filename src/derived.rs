@@ -1,4 +1,4 @@
-//! What flows from the transform to the writer: what follows for the camera, one moment at a time.
+//! What flows from the transform to the writer: the camera's motion, one moment at a time.
 
 use nalgebra::Vector3;
 
@@ -16,7 +16,7 @@ pub struct Derived {
 /// What was derived.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value {
-    /// How the camera turned since the previous attitude sample, in the axes that it had then.
+    /// How the camera turned since the previous attitude sample, in the axes that it had at that sample.
     RelativeRpy {
         /// Nanoseconds since the previous sample.
         interval: u64,
@@ -27,8 +27,8 @@ pub enum Value {
     CameraVelocity(Vector3<f64>),
 }
 
-/// The quantities that can be derived. Each is one topic of the result; at equal times they come in this
-/// order.
+/// The quantities that can be derived. Each has a topic of its own in the result; at equal times they come in
+/// this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
     /// How the camera turned since the previous attitude sample.

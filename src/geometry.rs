@@ -1,4 +1,4 @@
-//! Frames and rotations: where a stabilised camera looks, and what that makes of a rotation or a velocity.
+//! Frames and rotations: where a stabilised camera looks, and rotations and velocities in its axes.
 //!
 //! All frames are right-handed, all angles radians:
 //!
@@ -146,8 +146,7 @@ pub fn camera_orientation(
     )))
 }
 
-/// The drone's heading alone, `Rz(ψ)`: turns coordinates of a drone that has the same heading and lies level
-/// into NED. `None` where the nose points straight up or down ([`MIN_GROUND_PROJECTION`]).
+/// The drone's heading alone, `Rz(ψ)`: turns coordinates of a level drone with the same heading into NED. `None` where the nose points straight up or down ([`MIN_GROUND_PROJECTION`]).
 pub fn heading_rotation(q_ned_drone: &UnitQuaternion<f64>) -> Option<Rotation3<f64>> {
     let (sin_heading, cos_heading) = heading_sin_cos(q_ned_drone)?;
     Some(Rotation3::from_matrix_unchecked(Matrix3::new(

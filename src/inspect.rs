@@ -415,7 +415,7 @@ struct Sampled {
 }
 
 impl Sampled {
-    /// Reads segments with telemetry: all, or where they are too long, some that lie evenly among them.
+    /// Reads segments with telemetry: all, or where they are too long, some that are spread evenly among them.
     fn read(log: &Log, source: &mut Source) -> Result<Self, Error> {
         let wanted = source.channel_ids();
         let segments: Vec<&Segment> = (log.contents.segments.iter())

@@ -1,4 +1,4 @@
-//! What flows from the reader to the transform: what a log says of the drone, one moment at a time.
+//! What flows from the reader to the transform: the drone's state as the log has it, one moment at a time.
 
 use std::{
     collections::BTreeMap,
@@ -174,7 +174,7 @@ impl Serialize for Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum DropReason {
-    /// The message's bytes do not decode as its schema says.
+    /// The message's bytes cannot be decoded by its schema.
     Undecodable,
     /// The message is encoded in a version of CDR that is not supported.
     Xcdr2,
@@ -182,7 +182,7 @@ pub enum DropReason {
     ParameterList,
     /// A field that the message may leave out is not in it.
     MissingField,
-    /// The log itself says that it is measured in a frame that cannot be related to NED.
+    /// According to the log it is measured in a frame that cannot be related to NED.
     UnknownFrame,
     /// The time that the message gives for it is negative, not finite, or too large.
     BadTime,

@@ -237,6 +237,7 @@ impl Transform {
         self.gimbal.forget_before(needed_from);
     }
 
+    #[inline]
     fn pose_at(&self, time: u64, soonest: Option<u64>) -> Result<Pose, Unavailable> {
         let attitude = self.attitudes.at(time, soonest)?;
         let gimbal = || {

@@ -89,7 +89,7 @@ fn describe(inspection: &Inspection) -> String {
         }
     }
     let _ = match (&inspection.problem, &inspection.telemetry) {
-        // Where there is no telemetry, the problem says what else there is.
+        // Where there is no telemetry, the problem lists what else there is.
         (Some(problem), _) => write!(text, "\nenrich would fail: {}", explain(problem.error())),
         (None, Some(telemetry)) => write!(text, "\n{}", describe_plan(telemetry)),
         (None, None) => Ok(()),
@@ -213,7 +213,7 @@ fn row(label: &str, found: &FoundRole, start: u64) -> [String; 7] {
     ]
 }
 
-/// A share in per cent, which says 0 % and 100 % only of none and all.
+/// A share in per cent, which is 0 % and 100 % only for none and all.
 fn percentage(share: f64) -> String {
     match share {
         0.0 | 1.0 => format!("{} %", share * 100.0),

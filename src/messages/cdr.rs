@@ -1,4 +1,6 @@
 //! Plain CDR, little-endian: how ROS 2 messages are serialised.
+//!
+//! All of it is inlined where a message is written: then sizes and padding are known.
 
 /// Writes one message.
 pub struct Cdr<'a> {
@@ -8,6 +10,7 @@ pub struct Cdr<'a> {
 }
 
 impl<'a> Cdr<'a> {
+    #[inline]
     pub fn begin(out: &'a mut Vec<u8>) -> Self {
         /// The representation, CDR_LE, and its options, of which there are none.
         const HEADER: [u8; 4] = [0, 1, 0, 0];
@@ -17,6 +20,7 @@ impl<'a> Cdr<'a> {
     }
 
     /// A number, aligned to its size.
+    #[inline]
     pub fn put<const SIZE: usize>(&mut self, number: [u8; SIZE]) {
         let length = self.out.len() - self.origin;
         let aligned = self.origin + length.next_multiple_of(SIZE);
@@ -25,6 +29,7 @@ impl<'a> Cdr<'a> {
     }
 
     /// A string: its length, which includes a terminating 0, and its bytes.
+    #[inline]
     pub fn put_string(&mut self, text: &str) {
         self.put((text.len() as u32 + 1).to_le_bytes());
         self.out.extend(text.as_bytes());

@@ -13,6 +13,7 @@ pub const SCHEMA_ENCODING: &str = "ros2msg";
 pub const LAST_SECOND: u64 = i32::MAX as u64;
 
 /// Writes a `std_msgs/Header`.
+#[inline]
 pub fn put_header(cdr: &mut Cdr, header: Header) {
     let (seconds, nanoseconds) = match split_seconds(header.time) {
         (seconds, _) if seconds > LAST_SECOND => (LAST_SECOND, 999_999_999),
@@ -24,8 +25,8 @@ pub fn put_header(cdr: &mut Cdr, header: Header) {
 }
 
 /// The metadata that MCAP's ROS 2 profile asks of a channel: with which qualities of service it is played
-/// back. They are the telemetry's, so that whoever receives the one receives the other; if it has none, ROS 2's
-/// default.
+/// back. They are the telemetry's, so that a node that receives the one receives the other; if it has none,
+/// ROS 2's default.
 pub fn channel_metadata(telemetry: &Channel) -> BTreeMap<String, String> {
     const QOS: &str = "offered_qos_profiles";
     let qos = telemetry.metadata.get(QOS).cloned().unwrap_or_default();

@@ -12,6 +12,7 @@ pub fn definition(field_to_plot: &'static str) -> MessageDefinition {
     }
 }
 
+#[inline]
 pub fn write(header: Header, vector: [f64; 3], out: &mut Vec<u8>) {
     let mut cdr = Cdr::begin(out);
     ros2::put_header(&mut cdr, header);

@@ -1,7 +1,7 @@
-//! How a result was made, as its Metadata record says it.
+//! How a result was made, as its Metadata record states it.
 //!
-//! The record is part of the log: other programs read its keys, and a later run of this one quotes the camera.
-//! So these words are the library's, and they stay as they are, whatever reports say in theirs.
+//! The record is part of the log: other programs read it, and a later run quotes it. So its text is the
+//! library's, apart from the words that reports use, and does not change with them.
 
 use std::collections::BTreeMap;
 

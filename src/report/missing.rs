@@ -52,7 +52,7 @@ pub enum MissingReason {
     },
 }
 
-/// An error says these words, so they are the library's.
+/// In the library, because [`Error::NothingDerived`](crate::Error::NothingDerived) quotes it.
 impl fmt::Display for MissingReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

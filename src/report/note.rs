@@ -51,14 +51,14 @@ pub enum Note {
         /// [`Interleaved`](Layout::Interleaved): they are in chunks there.
         layout: Layout,
     },
-    /// Messages could not be decoded as their schema says.
+    /// Messages could not be decoded by their schemas.
     Undecodable {
-        /// How many samples they would have been.
+        /// How many samples they would have given.
         samples: u64,
     },
-    /// The log's data does not have the checksum that the log says. The result has none.
+    /// The log's data does not match its checksum. The result has no checksum.
     ChecksumWrong,
-    /// The log has a gimbal's angles, and the user said otherwise how the camera is mounted.
+    /// The log has a gimbal's angles, but the options describe another camera.
     GimbalIgnored {
         /// Where they are.
         topic: String,

@@ -49,9 +49,9 @@ fn on_the_log(note: &Note) -> Option<String> {
         Note::LooseMessages {
             layout: Layout::Interleaved,
         } => "the log has messages outside chunks; in the result they are in chunks".to_owned(),
-        Note::ChecksumWrong => "the log's data does not match the checksum that the log has for it; the result has no \
-                                checksum"
-            .to_owned(),
+        Note::ChecksumWrong => {
+            "the log's data does not match its checksum; the result has no checksum".to_owned()
+        }
         _ => return None,
     })
 }
