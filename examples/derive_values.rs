@@ -6,7 +6,7 @@
 
 use std::{env, error::Error, ops::ControlFlow};
 
-use flightcam::{Options, derive, derived::Value, geometry::DepressionAngle};
+use flightcam::{DepressionAngle, Options, Value, derive};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let input = env::args().nth(1).ok_or("the argument is a log")?;
@@ -24,6 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                         velocity.x, velocity.y, velocity.z
                     );
                 }
+                _ => {}
             }
         }
         ControlFlow::Continue(())

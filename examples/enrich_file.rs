@@ -6,7 +6,7 @@
 
 use std::{env, error::Error, ops::ControlFlow};
 
-use flightcam::{Options, enrich, geometry::DepressionAngle};
+use flightcam::{DepressionAngle, Options, enrich};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = env::args().skip(1);

@@ -9,10 +9,9 @@
 
 use std::error::Error;
 
-use flightcam::source::profile::{
-    Alternative, AttitudeFields, Components, Euler, Orientation, Place, Profile, RoleFields,
-    VelocityFields,
-    convention::{AngleUnit, Convention, SpeedUnit, VelocityFrame},
+use flightcam::profile::{
+    Alternative, AngleUnit, AttitudeFields, Components, Convention, Euler, Orientation, Place,
+    Profile, RoleFields, SpeedUnit, VelocityFields, VelocityFrame,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {

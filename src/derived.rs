@@ -15,6 +15,7 @@ pub struct Derived {
 
 /// What was derived.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Value {
     /// How the camera turned since the previous attitude sample, in the axes that it had at that sample.
     RelativeRpy {
@@ -30,6 +31,7 @@ pub enum Value {
 /// The quantities that can be derived. Each has a topic of its own in the result; at equal times they come in
 /// this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Quantity {
     /// How the camera turned since the previous attitude sample.
     RelativeRpy,

@@ -31,6 +31,7 @@ pub use ros2::LAST_SECOND;
 
 /// How derived values are encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Encoding {
     /// Protobuf messages of `proto/`.
     Protobuf,
@@ -43,6 +44,7 @@ pub enum Encoding {
 
 /// Which encoding is wanted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EncodingChoice {
     /// That of the telemetry, if messages can be written in it, else protobuf.
     #[default]

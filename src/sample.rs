@@ -134,6 +134,7 @@ impl Sample {
 /// What a sample is a reading of. The order is that of samples at equal times: what is derived from an attitude
 /// needs the gimbal, and what is derived from a velocity needs both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Kind {
     /// Where the gimbal holds the camera.
     Gimbal,

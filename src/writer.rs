@@ -30,6 +30,7 @@ use crate::derived::{Derived, Quantity};
 /// Where in the log the new messages are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Layout {
     /// After the log's data, of which no byte changes, so that it can be undone.
     #[default]

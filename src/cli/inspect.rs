@@ -125,8 +125,8 @@ fn describe_telemetry(line: &mut impl FnMut(&str, &str), telemetry: &Telemetry) 
     for kind in Kind::LISTED {
         let label = words::label(kind);
         match telemetry.roles.get(&kind) {
-            Some(RoleReport::Found(found)) => describe_role(line, label, found),
-            Some(RoleReport::Missing { missing }) => line(label, &format!("none: {missing}")),
+            Some(RoleReport::Found(found)) => describe_role(line, &label, found),
+            Some(RoleReport::Missing { missing }) => line(&label, &format!("none: {missing}")),
             None => {}
         }
     }
@@ -178,7 +178,7 @@ fn table(telemetry: &Telemetry) -> String {
     let mut rows = vec![header.map(str::to_owned)];
     for kind in Kind::LISTED {
         if let Some(RoleReport::Found(found)) = telemetry.roles.get(&kind) {
-            rows.push(row(words::label(kind), found, start));
+            rows.push(row(&words::label(kind), found, start));
         }
     }
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();

@@ -18,7 +18,7 @@ pub fn describe(report: &Report) -> String {
     line("Camera", &words::camera(&report.camera));
     for kind in Kind::LISTED {
         if let Some(samples) = report.samples.get(&kind) {
-            describe_samples(&mut line, words::label(kind), samples);
+            describe_samples(&mut line, &words::label(kind), samples);
         }
         if kind == Kind::Attitude {
             describe_breaks(&mut line, report.breaks, report.max_gap_s);

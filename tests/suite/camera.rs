@@ -87,7 +87,7 @@ fn any_mount() -> impl Strategy<Value = Mount> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #![proptest_config(crate::support::cases(1000))]
 
     /// To the last bit, the signs of zeros included: they decide between half a turn and minus half a turn.
     #[test]

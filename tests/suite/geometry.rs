@@ -206,7 +206,7 @@ fn camera_by_construction(drone: RollPitchYaw, depression: DepressionAngle) -> R
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #![proptest_config(crate::support::cases(1000))]
 
     #[test]
     fn a_triple_turns_about_x_then_y_then_z_of_the_fixed_axes(triple in attitude()) {

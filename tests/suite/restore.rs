@@ -101,7 +101,7 @@ fn a_log_of_several_chunks_of_results_is_given_back() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(crate::support::cases(32))]
 
     #[test]
     fn a_log_of_any_shape_is_given_back(shape in any_shape()) {
@@ -318,7 +318,7 @@ fn a_log_that_was_cut_short_is_given_back_if_the_attachment_is_whole() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(256))]
+    #![proptest_config(crate::support::cases(256))]
 
     #[test]
     fn a_damaged_log_is_given_back_or_left_alone(

@@ -6,13 +6,9 @@ use flightcam::{
 };
 
 /// A kind of sample as the label of a line.
-pub fn label(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Attitude => "Attitude",
-        Kind::Velocity => "Velocity",
-        Kind::Gimbal => "Gimbal",
-        Kind::Position => "Position",
-    }
+pub fn label(kind: Kind) -> String {
+    let (initial, rest) = kind.name().split_at(1);
+    initial.to_uppercase() + rest
 }
 
 pub fn first_sample(sample: &FirstSample) -> String {

@@ -294,7 +294,7 @@ fn check(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(256))]
+    #![proptest_config(crate::support::cases(256))]
     #[test]
     fn every_number_of_a_random_message_is_read_exactly(
         shape in message(),

@@ -65,7 +65,7 @@ fn a_journal_that_is_not_whole_is_removed_and_the_log_left_alone() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::support::cases(64))]
 
     #[test]
     fn whatever_lies_over_the_logs_end_is_undone(

@@ -40,7 +40,7 @@ fn counted(log: &[u8], [telemetry, other]: [u16; 2]) -> Times {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::support::cases(64))]
 
     #[test]
     fn they_are_those_of_all_messages_whatever_the_shape(shape in any_shape(), which in 0..4usize) {

@@ -27,7 +27,7 @@ use crate::support::{piping::*, shapes::any_shape, *};
 const MEBIBYTE: usize = 1024 * 1024;
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(192))]
+    #![proptest_config(crate::support::cases(192))]
 
     #[test]
     fn a_log_of_any_shape_is_known_as_from_a_file(shape in any_shape(), most in 1..100_000usize) {

@@ -95,6 +95,7 @@ impl Motion {
                 Value::CameraVelocity(velocity) => {
                     motion.velocities.insert(stamp.log_time, velocity.into())
                 }
+                other => panic!("a value of a new kind: {other:?}"),
             };
         }
         motion

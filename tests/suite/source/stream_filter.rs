@@ -104,7 +104,7 @@ fn real_flights_are_found_and_read_whole() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(256))]
+    #![proptest_config(crate::support::cases(256))]
 
     #[test]
     fn a_log_of_any_topics_gives_the_same_as_a_file(

@@ -28,11 +28,12 @@ pub use parts::{Parts, whole_records};
 pub use shapes::{MESSAGES, Shape, TELEMETRY, mixed_log};
 
 use std::{
-    fs,
+    env, fs,
     path::{Path, PathBuf},
 };
 
 use flightcam::{Error, Options, Report, enrich::enrich, geometry::DepressionAngle};
+use proptest::prelude::ProptestConfig;
 
 /// A file of this repository.
 pub fn repository(path: &str) -> PathBuf {
@@ -41,7 +42,7 @@ pub fn repository(path: &str) -> PathBuf {
 
 /// The folder of real logs; `None`, with a word on why, where there is none.
 pub fn real_logs() -> Option<PathBuf> {
-    let folder = match std::env::var_os("FLIGHTCAM_REAL_LOGS") {
+    let folder = match env::var_os("FLIGHTCAM_REAL_LOGS") {
         Some(folder) => PathBuf::from(folder),
         None => repository("../shared/real-logs"),
     };
@@ -77,4 +78,13 @@ pub fn enrich_bytes_with(log: &[u8], options: &Options) -> Result<(Vec<u8>, Repo
     fs::write(&input, log).expect("the log is written");
     let report = enrich(&input, &output, options)?;
     Ok((fs::read(output).expect("the result is read"), report))
+}
+
+/// How many random cases a property is tried with: that many, times `FLIGHTCAM_CASES` where that is set.
+pub fn cases(count: u32) -> ProptestConfig {
+    let factor = env::var("FLIGHTCAM_CASES").ok();
+    let factor = factor.map_or(1, |factor| {
+        factor.parse().expect("FLIGHTCAM_CASES is a number")
+    });
+    ProptestConfig::with_cases(count * factor)
 }

@@ -127,7 +127,7 @@ impl Run {
                 let time = seconds(derived.stamp.log_time);
                 Some((time, seconds(interval), rounded(rpy.yaw.to_degrees())))
             }
-            Value::CameraVelocity(_) => None,
+            _ => None,
         };
         self.derived.iter().filter_map(turn).collect()
     }
@@ -140,7 +140,7 @@ impl Run {
                 let heading = rounded((-v.y).atan2(v.x).to_degrees());
                 Some((seconds(derived.stamp.log_time), heading.rem_euclid(360.0)))
             }
-            Value::RelativeRpy { .. } => None,
+            _ => None,
         };
         self.derived.iter().filter_map(heading).collect()
     }
@@ -433,7 +433,7 @@ fn any_stream() -> impl Strategy<Value = Vec<Sample>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #![proptest_config(crate::support::cases(1000))]
 
     #[test]
     fn every_sample_is_accounted_for(samples in any_stream(), depression in -89.0..=90.0) {
@@ -466,6 +466,7 @@ proptest! {
                     (Kind::Attitude, [rpy.roll, rpy.pitch, rpy.yaw])
                 }
                 Value::CameraVelocity(velocity) => (Kind::Velocity, velocity.into()),
+                other => panic!("a value of a new kind: {other:?}"),
             };
             prop_assert!(numbers.into_iter().all(f64::is_finite), "{numbers:?}");
             prop_assert!(samples.iter().any(|s| (s.stamp(), s.kind()) == (stamp, kind)));

@@ -109,7 +109,7 @@ impl Run {
                 let time = derived.stamp.log_time as f64 / 1e9;
                 Some((time, rounded(rpy.yaw.to_degrees())))
             }
-            Value::CameraVelocity(_) => None,
+            _ => None,
         };
         self.derived.iter().filter_map(turn).collect()
     }
@@ -122,7 +122,7 @@ impl Run {
                 let time = derived.stamp.log_time as f64 / 1e9;
                 Some((time, heading.rem_euclid(360.0)))
             }
-            Value::RelativeRpy { .. } => None,
+            _ => None,
         };
         self.derived.iter().filter_map(heading).collect()
     }
@@ -345,7 +345,7 @@ fn what_is_held_back_is_bounded_by_the_maximum_gap_whatever_stops() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(crate::support::cases(200))]
 
     /// A drone that turns evenly, so that interpolation is exact.
     #[test]

@@ -86,7 +86,7 @@ mod model {
         match sample.kind() {
             Kind::Gimbal => matches!(camera, Camera::Gimbal),
             Kind::Attitude | Kind::Velocity => true,
-            Kind::Position => false,
+            _ => false,
         }
     }
 
@@ -282,7 +282,7 @@ fn is_as_expected(actual: &Derived, expected: &(Stamp, model::Value)) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(crate::support::cases(2000))]
 
     #[test]
     fn the_transform_is_its_model(camera in any_camera(), samples in any_stream()) {

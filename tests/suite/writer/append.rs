@@ -66,7 +66,7 @@ fn the_same_log_gives_the_same_bytes() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(crate::support::cases(96))]
 
     #[test]
     fn a_log_of_any_shape_gives_the_same_messages_and_loses_nothing(shape in any_shape()) {

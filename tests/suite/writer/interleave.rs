@@ -33,7 +33,7 @@ use proptest::prelude::*;
 use crate::support::{layout::*, shapes::any_shape, *};
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::support::cases(64))]
 
     #[test]
     fn a_log_of_any_shape_is_interleaved_without_a_loss(shape in any_shape()) {
