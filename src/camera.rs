@@ -2,11 +2,14 @@
 //!
 //! Frames and angles are those of [`geometry`](crate::geometry): NED, drone (FRD) and camera, `v_a = r_ab * v_b`.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use crate::{
+    derived::Quantity,
     geometry::{DepressionAngle, RollPitchYaw, camera_orientation, heading_rotation},
-    sample::GimbalReference,
+    sample::{GimbalReference, Kind},
 };
 
 /// How the camera is mounted on the drone.
@@ -46,6 +49,15 @@ pub enum CameraError {
 }
 
 impl Camera {
+    /// The kinds of sample from which the camera's motion is derived.
+    pub(crate) fn needed_kinds(&self) -> BTreeSet<Kind> {
+        let mut kinds = Quantity::all_needed_kinds();
+        if *self == Camera::Gimbal {
+            kinds.insert(Kind::Gimbal);
+        }
+        kinds
+    }
+
     /// Where the camera looks: `R_ned_camera` for the drone's attitude `q_ned_drone` (FRD to NED), or `None`
     /// where it follows the heading of a nose that points straight up or down
     /// ([`MIN_GROUND_PROJECTION`](crate::geometry::MIN_GROUND_PROJECTION)).
@@ -119,7 +131,7 @@ pub struct Mount {
     degrees: [f64; 3],
 }
 
-/// Roll, pitch and yaw of a mount, in degrees, of which one is out of its range.
+/// Roll, pitch and yaw of a mount, in degrees, one of which is out of range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "a mount of roll {}°, pitch {}°, yaw {}° is out of range: roll and yaw must be from -180 to 180, pitch \

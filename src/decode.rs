@@ -4,19 +4,19 @@
 //! | --- | --- |
 //! | [`path`] | paths to fields, as users and profiles write them |
 //! | `field` | what is wanted of a field, and what a schema says that it is |
-//! | `schema` | the schema and the decoder of a channel, in any encoding: what the other rooms use |
+//! | `schema` | the schema and the decoder of a channel, in any encoding: what other modules use |
 //! | `resolve` | a path → a place in a schema; the walk that all encodings share |
 //! | `tree` | the wanted fields of a message, resolved, as decoders walk them |
 //! | `value` | what the wanted fields of one message held |
 //! | `error` | why fields cannot be read from a channel's messages |
 //! | `protobuf`, `json`, `ros` | the encodings |
 //!
-//! Schemas are read once a channel. Messages are read straight from their bytes, without building them and without
+//! Schemas are read once per channel. Messages are read straight from their bytes, without building them and without
 //! allocating. Nothing here knows what the numbers mean.
 //!
 //! To add an encoding:
 //!
-//! 1. Write a module of its own after the model of `protobuf`: a schema, whose places implement `resolve::Node`, and
+//! 1. Write a module of its own modelled on `protobuf`: a schema, whose places implement `resolve::Node`, and
 //!    a decoder, which walks `tree::FieldTree` beside the bytes of a message.
 //! 2. List the module below.
 //! 3. Add the schema and the decoder to the enums in `schema`, where [MCAP's names](https://mcap.dev/spec/registry)

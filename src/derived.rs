@@ -1,8 +1,13 @@
 //! What flows from the transform to the writer: the camera's motion, one moment at a time.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
-use crate::{geometry::RollPitchYaw, sample::Stamp};
+use crate::{
+    geometry::RollPitchYaw,
+    sample::{Kind, Stamp},
+};
 
 /// A derived value and the times of the sample that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +47,21 @@ pub enum Quantity {
 impl Quantity {
     /// All of them, in their order.
     pub const ALL: [Quantity; 2] = [Quantity::RelativeRpy, Quantity::CameraVelocity];
+
+    /// The kinds of sample that it is derived from, and how many usable ones of each it takes to derive the first
+    /// value. From then on there is one value for each sample of the last kind.
+    pub fn needs(self) -> &'static [(Kind, u64)] {
+        match self {
+            Quantity::RelativeRpy => &[(Kind::Attitude, 2)],
+            Quantity::CameraVelocity => &[(Kind::Attitude, 1), (Kind::Velocity, 1)],
+        }
+    }
+
+    /// The kinds of sample that any of the quantities is derived from.
+    pub fn all_needed_kinds() -> BTreeSet<Kind> {
+        let needs = Self::ALL.into_iter().flat_map(Self::needs);
+        needs.map(|&(kind, _)| kind).collect()
+    }
 
     /// The topic that it is written to.
     pub fn topic(self) -> &'static str {

@@ -51,7 +51,7 @@ impl<F: FnMut(&[Derived]) -> ControlFlow<()>> Sink for F {
     }
 }
 
-/// Writes a log with the camera's channels. Of a log that is enriched already the earlier result is replaced.
+/// Writes a log with the camera's channels. If the log is already enriched, the earlier result is replaced.
 ///
 /// # Errors
 /// What is wrong with the log, the options or the output. Then there is no new file, and a log in place is as it was. A

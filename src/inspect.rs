@@ -331,13 +331,11 @@ impl Telemetry {
         if camera == Some(Camera::Gimbal) {
             self.usable(Kind::Gimbal, 1)?;
         }
-        match quantity {
-            Quantity::RelativeRpy => Ok(self.usable(Kind::Attitude, 2)? - 1),
-            Quantity::CameraVelocity => {
-                self.usable(Kind::Attitude, 1)?;
-                self.usable(Kind::Velocity, 1)
-            }
+        let mut at_most = 0;
+        for &(kind, needed) in quantity.needs() {
+            at_most = self.usable(kind, needed)? - (needed - 1);
         }
+        Ok(at_most)
     }
 
     /// How many samples of a kind can be usable, if as many as are needed.

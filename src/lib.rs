@@ -10,7 +10,7 @@
 //! ```
 //!
 //! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive()`] gives the values
-//! without writing them, [`inspect`] says what a log has, and [`restore`] undoes what `enrich` did. [`Options`] say
+//! without writing them. [`inspect`] says what a log file has, and [`restore`] undoes what `enrich` did to one. [`Options`] say
 //! how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its telemetry.
 //!
 //! What is listed here is the interface. The modules that are not shown are internal: they are public only for
@@ -18,8 +18,9 @@
 //!
 //! # Units and frames
 //!
-//! Angles are radians, except in the command line and in profiles, which name their unit. Velocities are metres per
-//! second over ground, times are nanoseconds of log time. Frames are explained in [`geometry`].
+//! Angles are radians, except where a name says degrees (`from_degrees`, `depression_deg`) and in profiles, which name
+//! their unit. Velocities are metres per second over ground. Times are nanoseconds of log time; spans that people
+//! choose, such as the maximum gap, are seconds. Frames are explained in [`geometry`].
 //!
 //! # The map, for those who change the code
 //!
@@ -32,25 +33,27 @@
 //!
 //! | module | subject | knows |
 //! | --- | --- | --- |
-//! | `geometry` | frames and rotations: pure functions | nobody |
-//! | `sample` | what flows from reader to transform | nobody |
-//! | `camera` | how the camera is mounted on the drone | geometry, sample |
+//! | `geometry` | frames and rotations: pure functions | nothing |
+//! | `sample` | what flows from reader to transform | nothing |
 //! | `derived` | what flows from transform to writer | geometry, sample |
+//! | `camera` | how the camera is mounted on the drone | geometry, sample, derived |
 //! | `transform` | samples → derived values, a state machine without I/O | the four above |
-//! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nobody |
+//! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nothing |
 //! | `log` | the MCAP container: what a log holds and where, its journal, its messages | fs |
 //! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log |
 //! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry |
 //! | `reader` | log + source → samples in time order | log, source, sample |
 //! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | derived |
 //! | `writer` | derived values → channels added to a log; the original that an enriched log carries | fs, log, derived, messages |
-//! | `options` | what the caller decides about a run | camera, source, transform, messages, writer, run |
+//! | `watch` | how far a run is, and whether the caller wants it to go on | log |
+//! | `options` | what the caller decides about a run | camera, source, transform, messages, writer, watch |
 //! | `report` | what a run found and did, as data | what it reports on |
-//! | `run` | what every run has: an input, an output, somebody who watches it, an end | fs, log, writer, report |
+//! | `run` | what every run has: an input, an output, a watcher, an outcome | fs, log, watch, writer, report |
 //! | `enrich` | the story: input → job (a thread that sends batches) → sink → report | all of the above |
 //! | `restore` | an enriched log → the original | log, writer, run |
 //! | `inspect` | what a log has and what `enrich` would produce | all but transform, reader and enrich |
-//! | `error` | the errors of all layers, joined | their errors |
+//! | `error` | the errors of all layers, joined; what runs end with | their errors |
+//! | `cli` | in the binary: arguments → options → run → words | the interface |
 //!
 //! Reader and writer never know each other. Only the command line, in the binary, prints, and only it names options.
 //! CONTRIBUTING.md says where a change goes.
@@ -93,6 +96,8 @@ pub mod source;
 #[doc(hidden)]
 pub mod transform;
 #[doc(hidden)]
+pub mod watch;
+#[doc(hidden)]
 pub mod writer;
 
 /// Profiles: how an autopilot or a logger names its telemetry, and in which conventions it writes it.
@@ -126,7 +131,7 @@ pub use report::{
     SampleReport, WrittenTopic,
 };
 pub use restore::{Restored, restore};
-pub use run::{Input, Output, Progress, Watch};
+pub use run::{Input, Output};
 pub use sample::{DropReason, Kind, Stamp, Tallies, Tally};
 pub use source::{
     Origin, RunnerUp,
@@ -134,4 +139,5 @@ pub use source::{
     request::{BadArgument, Request, RoleArgument},
 };
 pub use transform::{Breaks, MaxGap, MaxGapOutOfRange, Outcome};
+pub use watch::{Progress, Watch};
 pub use writer::{Layout, provenance::EarlierRun};

@@ -7,10 +7,10 @@ use crate::{
     geometry::DepressionAngle,
     log::journal::JournalStep,
     messages::EncodingChoice,
-    run::{Progress, Watch},
     sample::Kind,
     source::{Source, request::Request},
     transform::MaxGap,
+    watch::{Progress, Watch},
     writer::Layout,
 };
 
@@ -19,7 +19,7 @@ use crate::{
 /// By default the camera follows the gimbal whose angles the log has, and everything else is found out.
 ///
 /// ```
-/// use flightcam::{Options, geometry::DepressionAngle, writer::Layout};
+/// use flightcam::{DepressionAngle, Layout, Options};
 ///
 /// let options = Options::new()
 ///     .depression(DepressionAngle::from_degrees(30.0)?)

@@ -213,6 +213,6 @@ fn by_kind<S: Serializer>(
     samples: &BTreeMap<Kind, SampleReport>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    let kinds = [Kind::Attitude, Kind::Velocity, Kind::Gimbal];
+    let kinds = Camera::Gimbal.needed_kinds().into_iter();
     serializer.collect_map(kinds.map(|kind| (kind, samples.get(&kind))))
 }

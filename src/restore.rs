@@ -12,7 +12,8 @@ use crate::{
     fs::WriteAt,
     log::{Access, Log, file::LogFile},
     report::lossy,
-    run::{Output, Run, RunError, Stopped, Watch},
+    run::{Output, Run, RunError, Stopped},
+    watch::Watch,
     writer::{
         WriteError, copy::copy_range, destination::Destination, original::Original,
         provenance::EarlierRun,

@@ -4,7 +4,6 @@
 mod error;
 mod input;
 mod output;
-mod watch;
 
 use std::{
     ops::ControlFlow,
@@ -21,11 +20,11 @@ use std::{
 pub use error::{Left, RunError};
 pub use input::Input;
 pub use output::Output;
-pub use watch::{Progress, Watch};
 
 use crate::{
     error::Error,
     log::journal::{Journal, JournalStep},
+    watch::{Progress, Watch},
     writer::WriteError,
 };
 

@@ -32,7 +32,7 @@ use crate::derived::{Derived, Quantity};
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Layout {
-    /// After the log's data, of which no byte changes, so that it can be undone.
+    /// After the log's data, no byte of which changes, so that it can be undone.
     #[default]
     Append,
     /// After each of the log's chunks what was derived from its time, for readers that use no index. It cannot be

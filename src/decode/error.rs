@@ -95,7 +95,7 @@ pub enum Listing {
     MessageType(String),
     /// The channel's JSON schema.
     JsonSchema,
-    /// That one of a JSON channel's first messages which has the most fields.
+    /// The one of a JSON channel's first messages that has the most fields.
     FirstMessages,
 }
 

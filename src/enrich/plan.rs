@@ -2,7 +2,7 @@
 
 use crate::{
     camera::Camera, error::Error, log::Log, messages::Format, options::Options,
-    report::EncodingReport, sample::Kind, source::Source,
+    report::EncodingReport, source::Source,
 };
 
 /// Where the telemetry is, what is derived from it, and how that is written.
@@ -25,11 +25,7 @@ impl Plan {
     pub fn new(log: &Log, options: &Options) -> Result<Self, Error> {
         let source = Source::select(log, &options.telemetry)?;
         let camera = options.camera(&source)?;
-        let kinds: &[Kind] = match camera {
-            Camera::Gimbal => &[Kind::Attitude, Kind::Velocity, Kind::Gimbal],
-            Camera::Stabilised { .. } | Camera::Fixed(_) => &[Kind::Attitude, Kind::Velocity],
-        };
-        let source = source.keep(log, &options.telemetry, kinds)?;
+        let source = source.keep(log, &options.telemetry, &camera.needed_kinds())?;
         let attitude = source.attitude_channel(log);
         let format = Format::choose(options.encoding, attitude);
         Ok(Self {

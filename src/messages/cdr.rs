@@ -12,7 +12,7 @@ pub struct Cdr<'a> {
 impl<'a> Cdr<'a> {
     #[inline]
     pub fn begin(out: &'a mut Vec<u8>) -> Self {
-        /// The representation, CDR_LE, and its options, of which there are none.
+        /// The representation, CDR_LE, and its options (none).
         const HEADER: [u8; 4] = [0, 1, 0, 0];
         out.extend(HEADER);
         let origin = out.len();

@@ -45,9 +45,10 @@ impl<'a> Findings<'a> {
     ) -> Self {
         let mut tallies = outcome.tallies;
         tallies.merge(dropped);
-        let gimbal = (camera == Camera::Gimbal).then_some(Kind::Gimbal);
-        let kinds = [Kind::Attitude, Kind::Velocity].into_iter().chain(gimbal);
-        let samples = kinds.map(|kind| (kind, SampleReport::new(&source, &tallies, kind)));
+        let samples = camera
+            .needed_kinds()
+            .into_iter()
+            .map(|kind| (kind, SampleReport::new(&source, &tallies, kind)));
         Self {
             original,
             options,

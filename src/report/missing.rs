@@ -35,7 +35,7 @@ pub enum MissingReason {
     TooFewUsable {
         /// The kind.
         sample: Kind,
-        /// How many it takes.
+        /// How many are needed.
         needed: u64,
         /// Where they come from.
         topic: String,
@@ -52,7 +52,7 @@ pub enum MissingReason {
     },
 }
 
-/// In the library, because [`Error::NothingDerived`](crate::Error::NothingDerived) quotes it.
+/// In the library, because [`RunError::NothingDerived`](crate::error::RunError::NothingDerived) quotes it.
 impl fmt::Display for MissingReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -44,7 +44,7 @@ pub enum TimeSlots {
 /// Binds those alternatives of a role for which the schema has the fields, up to the first that needs no condition.
 ///
 /// # Errors
-/// There is none; the error says what the one that lacks the least lacks.
+/// None fits; the error lists what the closest one lacks.
 pub fn bind_role(
     binder: &mut Binder,
     profile: &Profile,

@@ -86,7 +86,7 @@ impl Profile {
     /// The text of a built-in profile, with the sources of its conventions.
     ///
     /// # Errors
-    /// There is none of that name.
+    /// No built-in profile has that name.
     pub fn built_in_text(name: &str) -> Result<&'static str, ProfileError> {
         let profiles = Self::built_in();
         let place = profiles.iter().position(|profile| profile.name == name);
@@ -98,7 +98,7 @@ impl Profile {
             })
     }
 
-    /// A profile that has no role yet. To be of use it takes an attitude.
+    /// A profile that has no role yet. It needs at least an attitude.
     pub fn new(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -139,7 +139,7 @@ impl Profile {
     /// is taken for a file.
     ///
     /// # Errors
-    /// There is none of that name, or the file cannot be read or is not a profile.
+    /// No built-in profile has that name, or the file cannot be read or is not a profile.
     pub fn load(name_or_file: &str) -> Result<Self, ProfileError> {
         let path = Path::new(name_or_file);
         let is_file = path

@@ -95,7 +95,7 @@ impl Source {
         Ok(Self {
             channels: finder
                 .search(profile, &fit.namespace)
-                .channels(fit, &Kind::ALL)?,
+                .channels(fit, &Kind::ALL.into())?,
             runners_up: runners_up.chain(misfits).collect(),
             profile: (*profile).clone(),
             fit: fit.clone(),
@@ -110,7 +110,7 @@ impl Source {
         self,
         log: &Log,
         request: &Request,
-        kinds: &[Kind],
+        kinds: &BTreeSet<Kind>,
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
         let finder = Finder::new(log, &examples, request);

@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Picks the messages that [`Source::select`](super::Source::select) might choose in a log, while the log streams
-/// by. All of these are included; of the others some, so that it finds the same as in the whole log, and for the
+/// by. All of these are included; some of the others, so that it finds the same as in the whole log, and for the
 /// same reasons.
 ///
 /// A channel is judged once, by its topic, its type, and the fields of its messages. What fields JSON messages
@@ -73,7 +73,7 @@ impl StreamFilter {
             // It may still come.
             return true;
         }
-        if channel.message_encoding != "json" || self.is_named(&channel.topic) {
+        if !FirstMessages::tell_the_fields_of(channel) || self.is_named(&channel.topic) {
             return self.judge(channel, definitions, &[]);
         }
         let payload = passing.message.payload;

@@ -1,4 +1,4 @@
-//! flightcam's tests, in the rooms of `src/`.
+//! flightcam's tests, by the modules of `src/`.
 
 mod support;
 

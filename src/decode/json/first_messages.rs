@@ -5,6 +5,7 @@ use std::{
     collections::{BTreeMap, BTreeSet},
 };
 
+use mcap::records::Channel;
 use serde_json::Value;
 
 use crate::log::{Log, ReadError};
@@ -22,8 +23,13 @@ pub enum FirstMessages<'a> {
 }
 
 impl<'a> FirstMessages<'a> {
-    /// That many of a channel are looked at.
+    /// How many messages of each channel are examined.
     pub const COUNT: usize = 10;
+
+    /// Whether it takes messages to know a channel's fields: whether they are JSON, whose schema may be empty.
+    pub fn tell_the_fields_of(channel: &Channel) -> bool {
+        channel.message_encoding == "json"
+    }
 
     pub fn new(log: &'a Log) -> Self {
         Self::OfLog {
@@ -60,7 +66,7 @@ impl<'a> FirstMessages<'a> {
 fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, ReadError> {
     let channels = log.contents.definitions.channels.values();
     let json: BTreeSet<u16> = channels
-        .filter(|channel| channel.record.message_encoding == "json")
+        .filter(|channel| FirstMessages::tell_the_fields_of(&channel.record))
         .map(|channel| channel.record.id)
         .collect();
     let payloads = log.first_payloads(&json, FirstMessages::COUNT)?;

@@ -42,7 +42,7 @@ impl<'a> Binder<'a> {
     /// nothing stays wanted.
     ///
     /// # Errors
-    /// Those of `resolve`, or all the fields that are lacking.
+    /// The errors of `resolve`, or all the fields that are lacking.
     pub fn attempt<T>(
         &mut self,
         resolve: impl FnOnce(&mut Self) -> Result<T, BindError>,

@@ -19,7 +19,7 @@ pub enum Components<const N: usize, F = FieldPath> {
 
 /// A number of fields that components do not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("{given} fields were given; it takes one or {wanted}")]
+#[error("{given} fields were given; expected one or {wanted}")]
 pub struct WrongCount {
     /// How many there are.
     pub given: usize,

@@ -37,7 +37,7 @@ pub enum NotAProfile {
     #[error("unknown key `{key}`; docs/profiles.md lists the keys of a profile")]
     UnknownKey { key: String },
 
-    #[error("`attitude` is empty: it takes at least one alternative")]
+    #[error("`attitude` is empty: it needs at least one alternative")]
     NoAttitude,
 
     #[error(

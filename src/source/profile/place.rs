@@ -16,7 +16,7 @@ pub struct Place {
     /// The names of message types, of which a channel must have one. Empty: any. A `/msg/` within makes no
     /// difference.
     pub schemas: Vec<String>,
-    /// What must hold for a message to be read so. One for which no alternative holds is dropped.
+    /// What must hold for a message to be read this way. One for which no alternative holds is dropped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub when: Option<Condition>,
     /// Fields of which each must be true (not 0) for a sample to be valid.

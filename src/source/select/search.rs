@@ -201,7 +201,7 @@ impl Search<'_> {
     pub fn channels(
         &self,
         fit: &Fit,
-        wanted: &[Kind],
+        wanted: &BTreeSet<Kind>,
     ) -> Result<BTreeMap<u16, ChannelReader>, TelemetryError> {
         // In the order of kinds, in which the samples of one message belong.
         let roles: BTreeMap<Kind, &Origin> = (fit.roles().into_iter())

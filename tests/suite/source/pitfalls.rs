@@ -24,7 +24,9 @@ fn read(topics: &[Topic], request: &Request, kinds: &[Kind]) -> (Vec<Sample>, Ta
     let folder = Folder::with(LOG, log(topics));
     let log = Log::open(&folder.path(LOG)).expect("a log");
     let source = Source::select(&log, request).expect("a source");
-    let source = source.keep(&log, request, kinds).expect("the same source");
+    let source = source
+        .keep(&log, request, &kinds.iter().copied().collect())
+        .expect("the same source");
     let mut samples = Vec::new();
     let read = Reader::new(&log, source).for_each(|sample, _| {
         samples.push(sample);

@@ -42,18 +42,18 @@ impl Watch {
         }
     }
 
-    pub(super) fn is_on(&self) -> bool {
+    pub(crate) fn is_on(&self) -> bool {
         self.progress.is_some()
     }
 
-    pub(super) fn ask(&self, progress: Progress) -> ControlFlow<()> {
+    pub(crate) fn ask(&self, progress: Progress) -> ControlFlow<()> {
         match &self.progress {
             Some(watch) => watch(progress),
             None => ControlFlow::Continue(()),
         }
     }
 
-    pub(super) fn reached(&self, step: JournalStep) {
+    pub(crate) fn reached(&self, step: JournalStep) {
         if let Some(reached) = &self.step {
             reached(step);
         }
