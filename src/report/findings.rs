@@ -62,21 +62,21 @@ impl<'a> Findings<'a> {
 
     /// Why a quantity has no messages, if it has none.
     pub fn why_missing(&self, quantity: Quantity) -> MissingReason {
-        match quantity {
-            Quantity::RelativeRpy if self.samples[&Kind::Attitude].tally.used < 2 => {
-                self.too_few_usable(Kind::Attitude, 2)
-            }
-            Quantity::RelativeRpy => MissingReason::NoneAdjacent {
-                gaps: self.breaks.gaps,
-                resets: self.breaks.resets,
-            },
-            Quantity::CameraVelocity => match self.source.why_missing(Kind::Velocity) {
-                Some(misfit) => MissingReason::NoSamples {
-                    sample: Kind::Velocity,
+        // The last kind first, of which each value has a sample of its own.
+        for &(kind, needed) in quantity.needs().iter().rev() {
+            if let Some(misfit) = self.source.why_missing(kind) {
+                return MissingReason::NoSamples {
+                    sample: kind,
                     misfit: misfit.clone(),
-                },
-                None => self.too_few_usable(Kind::Velocity, 1),
-            },
+                };
+            }
+            if self.samples[&kind].tally.used < needed {
+                return self.too_few_usable(kind, needed);
+            }
+        }
+        MissingReason::NoneAdjacent {
+            gaps: self.breaks.gaps,
+            resets: self.breaks.resets,
         }
     }
 

@@ -42,13 +42,13 @@ fn mixture(log: &Log, used: Encoding) -> Option<Note> {
     let mut foreign = channels
         .map(|channel| &channel.record)
         .filter(|channel| !is_ros2(log, channel));
-    match (foreign.next(), used) {
-        (None, Encoding::Protobuf | Encoding::Json) => Some(Note::NewChannelsNotRos2),
-        (Some(channel), Encoding::Ros2) => Some(Note::ChannelNotRos2 {
+    match (foreign.next(), used == Encoding::Ros2) {
+        (None, false) => Some(Note::NewChannelsNotRos2),
+        (Some(channel), true) => Some(Note::ChannelNotRos2 {
             topic: channel.topic.clone(),
             message_encoding: channel.message_encoding.clone(),
         }),
-        (None, Encoding::Ros2) | (Some(_), Encoding::Protobuf | Encoding::Json) => None,
+        (None, true) | (Some(_), false) => None,
     }
 }
 
