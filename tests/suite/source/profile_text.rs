@@ -287,7 +287,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_there_is_instead() {
         ),
         (
             "attitude.orientation.quaternion = [\"a\", \"b\"]",
-            "2 fields were given; it takes one or 4 … `attitude`",
+            "2 fields were given; expected one or 4 … `attitude`",
         ),
         (
             "attitude.orientation.quaternion = { fields = \"q\" }",
