@@ -4,7 +4,7 @@
 //! ```text
 //! reading workers ──samples──▶ job ──derived values──▶ the caller's thread: a sink
 //!                              (merges, transforms)    (encodes, compresses, writes)
-//!                                                      beside it: the log is copied to a new file by the system
+//!                                                      beside it: the kernel copies the log to a new file
 //! ```
 //!
 //! Each arrow is a channel with little room, so the faster side waits and memory is bounded. The job does not know what
@@ -42,15 +42,6 @@ pub(crate) trait Sink {
     fn take(&mut self, values: &[Derived]) -> Result<(), Stopped>;
 }
 
-impl<F: FnMut(&[Derived]) -> ControlFlow<()>> Sink for F {
-    fn take(&mut self, values: &[Derived]) -> Result<(), Stopped> {
-        match self(values) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Stopped::Cancelled),
-        }
-    }
-}
-
 /// Writes a log with the camera's channels. If the log is already enriched, the earlier result is replaced.
 ///
 /// # Errors
@@ -74,15 +65,9 @@ pub fn enrich<'a>(
             let target = Target::new(None, output, options.layout)?;
             enrich_log(LogFile::from_bytes(&name, bytes)?, target, options, &run)
         }
-        Input::Stream { name, stream } => stream::enrich(
-            Named {
-                name: &name,
-                stream,
-            },
-            output,
-            options,
-            &run,
-        ),
+        Input::Stream { name, stream } => {
+            stream::enrich(Named::new(&name, stream), output, options, &run)
+        }
     })
 }
 
@@ -120,7 +105,7 @@ fn write(
     thread::scope(|scope| {
         let _at_end = run.cancel_at_end();
         let mut job = Job::start(scope, telemetry, source, camera, options, run);
-        let find = |derivation: Derivation| {
+        let findings = |derivation: Derivation| {
             let Derivation {
                 source,
                 dropped,
@@ -132,14 +117,14 @@ fn write(
         };
         // If nothing can be derived, nothing is created.
         let Some(first) = job.next() else {
-            return Err(nothing_derived(&find(job.finish()?), &original.log).into());
+            return Err(nothing_derived(&findings(job.finish()?), &original.log).into());
         };
 
         let mut sink = target.begin(scope, &original.log, format, run)?;
         let derivation = sink.take(&first).and_then(|()| job.feed(&mut sink));
         match derivation {
             Ok(derivation) => {
-                let findings = find(derivation);
+                let findings = findings(derivation);
                 let written = sink.finish(findings.facts())?;
                 Ok(findings.report(output, written))
             }
@@ -164,24 +149,20 @@ pub fn derive<'a>(
         let log = match input {
             Input::File(path) => Log::read(LogFile::open(&path, Access::Read)?)?,
             Input::Bytes { name, bytes } => Log::read(LogFile::from_bytes(&name, bytes)?)?,
-            Input::Stream { name, stream } => stream::telemetry(
-                Named {
-                    name: &name,
-                    stream,
-                },
-                options,
-                &run,
-            )?,
+            Input::Stream { name, stream } => {
+                stream::telemetry(Named::new(&name, stream), options, &run)?
+            }
         };
         let Plan { source, camera, .. } = Plan::new(&log, options)?;
         thread::scope(|scope| {
             let _at_end = run.cancel_at_end();
-            let job = Job::start(scope, &log, source, camera, options, &run);
-            match job.feed(&mut take) {
-                Ok(derivation) => Ok(Some(derivation.outcome())),
-                Err(Stopped::Cancelled) if run.go_on().is_ok() => Ok(None),
-                Err(stopped) => Err(stopped),
+            let mut job = Job::start(scope, &log, source, camera, options, &run);
+            for values in &mut job {
+                if take(&values).is_break() {
+                    return Ok(None);
+                }
             }
+            Ok(Some(job.finish()?.outcome()))
         })
     })
 }

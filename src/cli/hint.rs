@@ -127,7 +127,9 @@ pub fn is_usage(error: &Error) -> bool {
     match error {
         Error::Camera(_)
         | Error::Write(WriteError::OutputIsInput { .. })
-        | Error::Run(RunError::InterleavedInPlace | RunError::InterleavedStream)
+        | Error::Run(
+            RunError::InterleavedInPlace | RunError::InterleavedStream | RunError::NotAFileInPlace,
+        )
         | Error::Profile(_) => true,
         Error::Run(RunError::PassedOn { cause }) => is_usage(cause),
         _ => false,

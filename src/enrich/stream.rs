@@ -25,9 +25,6 @@ use crate::{
     },
 };
 
-/// A log that comes through a pipe.
-type Input<'a> = Named<'a, Box<dyn Read + 'a>>;
-
 /// A log that has been passed on, up to the end of its data section.
 struct PassedOn {
     original: Original,
@@ -38,7 +35,7 @@ struct PassedOn {
 /// Passes a log on to the output and appends the camera's channels. If nothing can be appended, a stream gets the log
 /// as it is.
 pub fn enrich(
-    input: Input,
+    input: Named<Box<dyn Read + '_>>,
     output: Output,
     options: &Options,
     run: &Run,
@@ -67,7 +64,7 @@ pub fn enrich(
 
 /// From stream to stream. Even if there is no result, the next program in the pipe gets a complete log.
 fn enrich_onward(
-    input: Input,
+    input: Named<Box<dyn Read + '_>>,
     name: &Path,
     output: &mut impl Write,
     options: &Options,
@@ -96,35 +93,38 @@ fn enrich_onward(
 }
 
 /// A log with the telemetry of one that comes through a pipe.
-pub fn telemetry(input: Input, options: &Options, run: &Run) -> Result<Log, Stopped> {
+pub fn telemetry(
+    input: Named<Box<dyn Read + '_>>,
+    options: &Options,
+    run: &Run,
+) -> Result<Log, Stopped> {
     let name = input.name;
     Ok(pass_on(input, name, io::sink(), options, run)?.telemetry)
 }
 
 fn pass_on(
-    input: Input,
+    input: Named<Box<dyn Read + '_>>,
     name: &Path,
     output: impl Write,
     options: &Options,
     run: &Run,
 ) -> Result<PassedOn, Stopped> {
     let mut filter = StreamFilter::new(&options.telemetry);
-    let watched = Named {
-        name: input.name,
-        stream: Watched {
-            stream: input.stream,
-            run,
-            read: 0,
-        },
+    let watched = Watched {
+        stream: input.stream,
+        run,
+        read: 0,
     };
-    let output = Named {
-        name,
-        stream: output,
-    };
-    let passed = pass_through(watched, output, |passing| filter.include(passing));
-    // A cancelled run is an error to whoever reads the stream, and only to them.
-    run.go_on()?;
-    let passed = passed?;
+    let passed = pass_through(
+        Named::new(input.name, watched),
+        Named::new(name, output),
+        |passing| filter.include(passing),
+    );
+    let passed = passed.or_else(|error| {
+        // If the run is cancelled, that is why the stream could not be read.
+        run.go_on()?;
+        Err(Stopped::from(error))
+    })?;
     Ok(PassedOn {
         original: Original {
             log: passed.original,

@@ -35,6 +35,13 @@ pub struct Named<'a, T> {
     pub stream: T,
 }
 
+impl<'a, T> Named<'a, T> {
+    /// A stream with this name.
+    pub fn new(name: &'a Path, stream: T) -> Self {
+        Self { name, stream }
+    }
+}
+
 /// A message of a log that is passed on.
 #[derive(Debug, Clone, Copy)]
 pub struct Passing<'a> {

@@ -43,14 +43,8 @@ pub struct Pipe<'a, R: Read, W: Write> {
 impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     pub fn new(input: Named<'a, R>, output: Named<'a, W>) -> Result<Self, ReadError> {
         Ok(Self {
-            input: Named {
-                name: input.name,
-                stream: BufReader::with_capacity(BUFFER, input.stream),
-            },
-            output: Named {
-                name: output.name,
-                stream: BufWriter::with_capacity(BUFFER, output.stream),
-            },
+            input: Named::new(input.name, BufReader::with_capacity(BUFFER, input.stream)),
+            output: Named::new(output.name, BufWriter::with_capacity(BUFFER, output.stream)),
             position: 0,
             record: Vec::new(),
             chunk: None,
