@@ -16,6 +16,7 @@ use super::{
     camera::CameraArguments,
     explain, print_result,
     telemetry::{EXAMPLES, TelemetryArguments},
+    to_json,
     words::{self, plural},
 };
 
@@ -51,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .telemetry(arguments.telemetry.request()?);
     let inspection = inspect(&arguments.input, &options)?;
     print_result(&if arguments.json {
-        serde_json::to_string_pretty(&inspection).expect("an inspection has only string keys")
+        to_json(&inspection)
     } else {
         describe(&inspection)
     });

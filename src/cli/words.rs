@@ -17,10 +17,7 @@ pub fn profile(profile: &ProfileReport) -> String {
         Chosen::Automatically => "chosen because",
         Chosen::ByRequest => "as asked for;",
     };
-    let attitude = &profile.attitude;
-    let fields: Vec<String> = attitude.fields.iter().map(ToString::to_string).collect();
-    let (name, topic, fields) = (&profile.name, &attitude.topic, fields.join(", "));
-    format!("{name}, {chosen} {topic} has {fields}")
+    format!("{}, {chosen} {}", profile.name, profile.attitude)
 }
 
 /// A count of things, with the thing's plural where it is due.

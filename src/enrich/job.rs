@@ -115,7 +115,8 @@ fn derive(
     // Sending waits while there is no room. It fails when the receiver is dropped. That is not an error of this thread:
     // the other side has one, or does not want any more.
     let hand_over = |derived: &mut Vec<Derived>, bytes_read| {
-        batches.send(mem::take(derived)).map_err(|_| Cancelled)?;
+        let batch = mem::replace(derived, Vec::with_capacity(BATCH));
+        batches.send(batch).map_err(|_| Cancelled)?;
         run.read(bytes_read);
         run.go_on()
     };
