@@ -1,4 +1,4 @@
-//! Where a camera looks, by how it hangs on the drone.
+//! Where a camera looks, by how it is mounted on the drone.
 
 use std::convert::Infallible;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI};
@@ -31,7 +31,7 @@ fn fixed(roll: f64, pitch: f64, yaw: f64) -> Camera {
     Camera::Fixed(Mount::from_degrees(roll, pitch, yaw).expect("a mount in range"))
 }
 
-/// Where a camera looks that does not follow the gimbal.
+/// Where a camera that does not follow the gimbal looks.
 fn orientation(camera: Camera, drone: &UnitQuaternion<f64>) -> Option<Rotation3<f64>> {
     let Ok(orientation) = camera.orientation::<Infallible>(drone, || {
         panic!("{camera:?} does not ask for the gimbal's orientation")
@@ -43,7 +43,7 @@ fn looks(camera: Camera, drone: &UnitQuaternion<f64>) -> Rotation3<f64> {
     orientation(camera, drone).expect("a nose that is not vertical")
 }
 
-/// Where a camera looks that follows the gimbal.
+/// Where a camera that follows the gimbal looks.
 fn follows(
     drone: &UnitQuaternion<f64>,
     gimbal: UnitQuaternion<f64>,
@@ -130,7 +130,7 @@ proptest! {
     }
 
     #[test]
-    fn the_references_agree_on_the_same_camera(
+    fn gimbal_angles_from_every_reference_give_the_same_camera(
         (drone, heading) in upright_attitude(),
         camera in attitude(),
     ) {
@@ -193,7 +193,7 @@ proptest! {
     }
 
     #[test]
-    fn only_what_follows_the_heading_needs_one(
+    fn only_a_camera_that_follows_the_heading_needs_one(
         (roll, yaw) in (angle(), angle()),
         vertical in prop::sample::select(vec![-FRAC_PI_2, FRAC_PI_2]),
         (mount, gimbal) in (any_mount(), attitude()),
@@ -253,7 +253,7 @@ fn the_angles_of_a_mount_are_yaw_then_pitch_then_roll_about_its_own_axes() {
 }
 
 #[test]
-fn a_gimbal_that_fails_to_tell_its_orientation_fails_the_camera() {
+fn an_unknown_gimbal_orientation_is_an_unknown_camera_orientation() {
     let failed = Camera::Gimbal.orientation(&rpy(0.0, 0.0, 0.0), || Err("broken"));
     assert_eq!(failed, Err("broken"));
 }
@@ -277,7 +277,7 @@ fn a_mount_rolls_and_yaws_up_to_half_a_turn_and_pitches_up_to_a_quarter() {
 }
 
 #[test]
-fn a_mount_out_of_range_is_refused_with_what_it_may_be() {
+fn a_mount_out_of_range_is_refused_with_the_range() {
     let refused = Mount::from_degrees(0.0, -100.5, 0.0).expect_err("out of range");
     assert_eq!(
         refused.to_string(),

@@ -227,7 +227,7 @@ fn reference() -> Vec<Key> {
         };
         let mut before = String::new();
         for code in codes(&cells[0]) {
-            // `.pitch` stands beside the key before it.
+            // `.pitch` follows the key that it belongs to.
             let key = match (code.strip_prefix('.'), before.rsplit_once('.')) {
                 (Some(name), Some((table, _))) => format!("{table}.{name}"),
                 _ => code.to_owned(),
@@ -333,7 +333,7 @@ fn defaults_are_as_documented() {
     assert!(count > 10, "{count} defaults were found");
 }
 
-/// Puts a wrong value at a key of some profile that has it. Gives the values that the complaint says there are.
+/// Puts a wrong value at a key of some profile that has it. Returns the valid values that the error lists.
 fn values_there_are(path: &str) -> Vec<String> {
     for profile in Profile::built_in().iter().chain(&examples()) {
         let mut table = table(profile);

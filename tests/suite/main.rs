@@ -3,11 +3,16 @@
 mod support;
 
 mod camera;
+// README and docs/, against the program.
 mod documentation;
+// Orientation, relative rotation and interpolation, against reference vectors.
 mod geometry;
+// Another build of flightcam: ignored unless asked for.
 mod other_build;
 mod profiles;
+// Other programs read the results.
 mod readers;
+// Real flights, against an independent implementation.
 mod real_logs;
 mod restore;
 
@@ -21,6 +26,7 @@ mod cli {
 }
 
 mod decode {
+    // Reading a field allocates nothing.
     mod allocations;
     mod list_paths;
     mod paths;
@@ -29,11 +35,14 @@ mod decode {
 }
 
 mod enrich {
+    // Logs that are not as they should be.
     mod bad_input;
     mod disk_full;
+    // What reaches the disk before what.
     mod durability;
     mod in_place;
     mod input;
+    // Runs that are killed.
     mod kill;
 }
 
@@ -43,8 +52,11 @@ mod inspect {
 }
 
 mod log {
+    // Recovery after an interrupted change.
     mod journal;
+    // Log times from indexes.
     mod message_times;
+    // Logs from a pipe.
     mod stream;
 }
 
@@ -55,22 +67,27 @@ mod messages {
 mod reader {
     mod samples;
     mod time_order;
+    // Only the telemetry of uncompressed chunks is read.
     mod uncompressed_chunks;
 }
 
 mod source {
     mod arguments;
     mod namespaces;
+    // What would silently yield wrong numbers.
     mod pitfalls;
     mod profile_text;
     mod selection;
+    // Which messages of a streamed log are kept.
     mod stream_filter;
+    // The text of a profile in an enriched log.
     mod written_profiles;
 }
 
 mod transform {
     mod attitude_and_velocity;
     mod gimbal;
+    // Against a model that sees all samples at once.
     mod reference_model;
 }
 

@@ -26,12 +26,12 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use crate::support::flights::{
     Recording,
     flight::{self, Flight},
-    logbook::Logbook,
+    recorder::Recorder,
     recording::Reference,
     recording_for, recordings, recordings_for,
 };
 
-/// The profile that a recording is read with: the one that is chosen by itself, or else one that is not.
+/// The profile that a recording is read with: the one chosen automatically, or else one that never is.
 fn given(recording: &Recording) -> Option<Profile> {
     let profile = built_in(recording.profile);
     (!profile.automatic).then_some(profile)
@@ -56,7 +56,7 @@ fn a_flight_yields_the_same_in_every_profile_as_in_flat() {
     }
 }
 
-/// What the flights are written with is what the publishers compute, not only what they say.
+/// The conventions that flights are written with are what the publishers compute, not only what they document.
 #[test]
 fn attitudes_in_enu_are_those_of_mavros_and_ardupilot() {
     let rpy = UnitQuaternion::<f64>::from_euler_angles;
@@ -75,7 +75,7 @@ fn attitudes_in_enu_are_those_of_mavros_and_ardupilot() {
     }
 }
 
-/// Reads the flights of a profile with each convention error that the profile could have. None may go unnoticed.
+/// Reads the flights of a profile with each convention error that the profile could have. Each must show.
 fn check_that_errors_show(profile: &str) {
     let flights: Vec<_> = recordings_for(profile)
         .map(|recording| {
@@ -166,7 +166,7 @@ fn every_topic_that_a_profile_lists_is_found() {
             let expectation = Expectation::of(recording);
             for topic in &topics {
                 let (topics, instead) = (topics.clone(), topic.clone());
-                let mut log = Logbook::new();
+                let mut log = Recorder::new();
                 log.rename(
                     move |topic| match topics.iter().any(|listed| listed == topic) {
                         true => instead.clone(),
@@ -199,7 +199,7 @@ fn thinned(flight: Flight) -> Flight {
 }
 
 #[test]
-fn vehicles_in_namespaces_are_told_apart() {
+fn vehicles_in_namespaces_are_distinguished() {
     let profiles = Profile::built_in().into_iter();
     for profile in profiles.filter(|profile| profile.namespaced) {
         let flight = || recording_for(&profile.name);
@@ -208,7 +208,7 @@ fn vehicles_in_namespaces_are_told_apart() {
             ("/drone1", flight().flying(Flight::beginning)),
             ("/fleet/drone2", flight().flying(thinned)),
         ];
-        let mut log = Logbook::new();
+        let mut log = Recorder::new();
         for (namespace, recording) in &vehicles {
             let namespace = *namespace;
             log.rename(move |topic| format!("{namespace}{topic}"));
@@ -235,10 +235,10 @@ fn vehicles_in_namespaces_are_told_apart() {
 }
 
 #[test]
-fn vehicles_with_numbers_are_told_apart() {
+fn vehicles_with_numbers_are_distinguished() {
     let whole = recording_for("ardupilot-ros2");
     let short = recording_for("ardupilot-ros2").flying(Flight::beginning);
-    let mut log = Logbook::new();
+    let mut log = Recorder::new();
     for (number, recording) in [(1, &whole), (12, &short)] {
         log.rename(move |topic| topic.replace("/ap/", &format!("/ap/v{number}/")));
         recording.write(&mut log);
@@ -258,9 +258,9 @@ fn vehicles_with_numbers_are_told_apart() {
 }
 
 #[test]
-fn a_vehicle_without_velocity_neither_takes_anothers_nor_yields_to_it() {
+fn a_vehicle_without_velocity_neither_takes_anothers_nor_is_passed_over_for_it() {
     for (profile, named) in [("ardupilot-ros2", "/ap/v{}/"), ("mavros", "/drone{}/")] {
-        let mut log = Logbook::new();
+        let mut log = Recorder::new();
         let rename = |number: &str| named.replace("{}", number);
         let root = ["/ap/", "/"][usize::from(profile == "mavros")];
         let one = rename("1");
@@ -290,10 +290,10 @@ fn a_vehicle_without_velocity_neither_takes_anothers_nor_yields_to_it() {
 }
 
 #[test]
-fn of_a_topic_in_several_versions_the_newest_is_used() {
+fn the_newest_of_a_topics_versions_is_used() {
     let newest = recording_for("px4-ros2");
     let older = recording_for("px4-ros2").flying(thinned);
-    let mut log = Logbook::new();
+    let mut log = Recorder::new();
     for (version, recording) in [
         ("", &older),
         ("_v2", &older),
@@ -308,7 +308,7 @@ fn of_a_topic_in_several_versions_the_newest_is_used() {
 }
 
 #[test]
-fn what_cannot_be_used_is_dropped_and_counted() {
+fn unusable_samples_are_dropped_and_counted() {
     let dropped = |name: &str, kind: Kind| {
         let recording = recordings()
             .into_iter()
@@ -344,7 +344,7 @@ fn what_cannot_be_used_is_dropped_and_counted() {
 }
 
 #[test]
-fn a_gimbal_may_be_told_in_any_axes_from_any_reference() {
+fn a_gimbal_may_be_given_in_any_axes_from_any_reference() {
     let as_it_is: fn(UnitQuaternion<f64>) -> UnitQuaternion<f64> = |q| q;
     let axes = [
         ("earth:frd-ned", Reference::Earth, as_it_is),
@@ -368,23 +368,23 @@ fn a_gimbal_may_be_told_in_any_axes_from_any_reference() {
     }
 }
 
-/// A flight in the profile `flat`, and beside it another topic.
+/// A flight in the profile `flat`, and another topic.
 fn flat_log_with(
     topic: &str,
     messages: impl IntoIterator<Item = (u64, serde_json::Value)>,
 ) -> Vec<u8> {
-    let mut log = Logbook::new();
+    let mut log = Recorder::new();
     recording_for("flat").write(&mut log);
     log.json(topic, None, messages);
     log.finish()
 }
 
-/// A gimbal that always looks 30° down, as a logger of one's own says it in the field `tilt`.
+/// A gimbal that always looks 30° down, as a user's own logger writes it in the field `tilt`.
 struct OwnGimbal {
     tilt: f64,
-    /// How the command line says where it is.
+    /// Where it is, as given on the command line.
     argument: &'static str,
-    /// How a profile says what it is.
+    /// What it is, as given in a profile.
     orientation: &'static str,
 }
 
@@ -447,9 +447,9 @@ fn distance_from_depression(samples: &[Sample]) -> f64 {
 fn a_gimbal_that_keeps_its_pitch_is_a_depression() {
     for gimbal in &OWN_GIMBALS {
         let log = gimbal.log();
-        let told = with_gimbal(gimbal.argument);
+        let given = with_gimbal(gimbal.argument);
         let profile = Profile::parse(&gimbal.profile()).expect("a profile");
-        for request in [told, request(Some(profile))] {
+        for request in [given, request(Some(profile))] {
             let samples = read(&log, &request).expect("it fits").samples;
             let distance = distance_from_depression(&samples);
             assert!(distance < 1e-9, "{}: {distance:e}", gimbal.argument);
@@ -458,7 +458,7 @@ fn a_gimbal_that_keeps_its_pitch_is_a_depression() {
 }
 
 #[test]
-fn a_convention_error_in_a_gimbal_of_ones_own_shows() {
+fn a_convention_error_in_a_users_gimbal_shows() {
     for gimbal in &OWN_GIMBALS {
         let log = gimbal.log();
         for error in mutations(&gimbal.profile()) {

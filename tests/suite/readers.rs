@@ -1,6 +1,6 @@
 //! The ecosystem's own readers as judges of results: the official Python library with its decoders, rosbags,
 //! and the TypeScript library that Foxglove uses. `tests/readers/install` installs them; without them these
-//! tests say that they were skipped, unless `FLIGHTCAM_REQUIRE_READERS` is set.
+//! tests are skipped with a message, or fail if `FLIGHTCAM_REQUIRE_READERS` is set.
 
 use std::{
     collections::BTreeMap,
@@ -18,7 +18,7 @@ use flightcam::{
 use mcap::{Compression, records::op};
 use serde_json::Value;
 
-use crate::support::{layout::interleaved, message::Said, *};
+use crate::support::{layout::interleaved, message::DerivedMessage, *};
 
 /// The two readers as command lines.
 fn readers() -> Option<[Vec<PathBuf>; 2]> {
@@ -39,7 +39,7 @@ fn readers() -> Option<[Vec<PathBuf>; 2]> {
     None
 }
 
-/// The lines that a reader prints of a file.
+/// The lines that a reader prints for a file.
 fn run(reader: &[PathBuf], log: &Path, mode: &[&str]) -> Vec<String> {
     let output = Command::new(&reader[0])
         .arg(&reader[1])
@@ -57,7 +57,7 @@ fn run(reader: &[PathBuf], log: &Path, mode: &[&str]) -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
-/// What a reader says of a file: a line for each message, and its summary.
+/// What a reader finds in a file: a line for each message, and its summary.
 fn read(reader: &[PathBuf], log: &Path, mode: &[&str]) -> (Vec<String>, Value) {
     let mut lines = run(reader, log, mode);
     let last = lines.pop().expect("a line");
@@ -246,8 +246,8 @@ fn decode(python: &Path, log: &Path, library: &str) -> Vec<Decoded> {
     decoded.collect()
 }
 
-/// Enriches a log in an encoding and has a library decode what was derived. It must say what the same log
-/// enriched in protobuf says.
+/// Enriches a log in an encoding and has a library decode what was derived. That must equal what the same log
+/// enriched in protobuf has.
 fn have_decoded(python: &Path, input: &Path, encoding: Encoding, library: &str) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("result.mcap");
@@ -263,13 +263,13 @@ fn have_decoded(python: &Path, input: &Path, encoding: Encoding, library: &str) 
     let protobuf = stream(&enriched(Encoding::Protobuf), false).into_iter();
     let derived = protobuf.filter(|message| DERIVED.contains(&message.topic.as_str()));
     let mut expected: Vec<Decoded> = derived
-        .map(|message| Said::by(&message))
-        .map(|said| Decoded {
-            topic: said.topic,
-            log_time: said.log_time,
-            stamp: said.log_time,
-            frame_id: said.frame_id,
-            numbers: said.numbers.map(f64::to_bits),
+        .map(|message| DerivedMessage::decode(&message))
+        .map(|message| Decoded {
+            topic: message.topic,
+            log_time: message.log_time,
+            stamp: message.log_time,
+            frame_id: message.frame_id,
+            numbers: message.numbers.map(f64::to_bits),
         })
         .collect();
     assert!(!expected.is_empty());
@@ -277,7 +277,7 @@ fn have_decoded(python: &Path, input: &Path, encoding: Encoding, library: &str) 
     enriched(encoding);
     let mut decoded = decode(python, &output, library);
     assert!(decoded.is_sorted_by_key(|message| message.log_time));
-    // At equal times readers may choose.
+    // The order of messages at equal times is up to the reader.
     let order = |message: &Decoded| (message.log_time, message.topic.clone());
     expected.sort_by_key(order);
     decoded.sort_by_key(order);

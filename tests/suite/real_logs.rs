@@ -1,12 +1,12 @@
-//! Real flights give what an independent implementation of the design says they must.
+//! Real flights give the results of an independent implementation of the design.
 
 use std::fs;
 
 use flightcam::{Report, messages::Encoding, sample::Kind};
 
-use crate::support::{message::Said, *};
+use crate::support::{message::DerivedMessage, *};
 
-/// A row of the expectations: topic, log time, three numbers.
+/// A row of the expected results: topic, log time, three numbers.
 type Row = (String, u64, [f64; 3]);
 
 fn expected(csv: &str) -> Vec<Row> {
@@ -25,28 +25,28 @@ fn expected(csv: &str) -> Vec<Row> {
         .collect()
 }
 
-fn derived(messages: Vec<Read>) -> Vec<Row> {
-    let row = |message: Read| {
-        let said = Said::by(&message);
+fn derived(messages: Vec<ReadMessage>) -> Vec<Row> {
+    let row = |message: ReadMessage| {
+        let decoded = DerivedMessage::decode(&message);
         let frame_id = match message.topic.as_str() {
             "/camera/velocity" => "camera",
             _ => "previous_camera",
         };
         assert_eq!(
-            (said.stamp, said.frame_id.as_str()),
+            (decoded.stamp, decoded.frame_id.as_str()),
             (message.log_time, frame_id)
         );
-        (message.topic, message.log_time, said.numbers)
+        (message.topic, message.log_time, decoded.numbers)
     };
     messages.into_iter().map(row).collect()
 }
 
-/// Checks a real log's result against the expectations to 1e-9; `None` where there are no real logs.
+/// Checks a real log's result against the expected one to 1e-9; `None` where there are no real logs.
 fn check(name: &str) -> Option<Report> {
     check_against(name, name)
 }
 
-/// The same where the expectations are those of a log of another name.
+/// The same, with the expected result of a log of another name.
 fn check_against(name: &str, expectations: &str) -> Option<Report> {
     let folder = real_logs()?;
     let log = fs::read(folder.join(format!("{name}.mcap"))).expect("the log");

@@ -1,4 +1,4 @@
-//! Undoing: whatever flightcam makes of a log, the log is to be had back byte for byte.
+//! Restoring: whatever flightcam made of a log, the original comes back byte for byte.
 
 use std::{fs, io::Read as _};
 
@@ -16,7 +16,7 @@ use sha2::{Digest, Sha256};
 
 use crate::support::{folder::*, rewriting::*, shapes::*, *};
 
-/// Enriches a log and undoes that in every way that there is. `None` if nothing can be derived from it.
+/// Enriches a log and undoes that in every way there is. `None` if nothing can be derived from it.
 #[track_caller]
 fn goes_there_and_back(log: &[u8]) -> Option<()> {
     let (enriched, report) = enrich_bytes_with(log, &options_at(30.0)).ok()?;
@@ -61,13 +61,13 @@ fn goes_there_and_back(log: &[u8]) -> Option<()> {
 }
 
 #[test]
-fn the_demonstration_log_is_given_back() {
+fn the_demonstration_log_is_restored() {
     let log = fs::read(repository("fixtures/survey_flight.mcap")).expect("the fixture");
     goes_there_and_back(&log).expect("it is enriched");
 }
 
 #[test]
-fn real_logs_are_given_back() {
+fn real_logs_are_restored() {
     let Some(folder) = real_logs() else {
         return;
     };
@@ -87,7 +87,7 @@ fn real_logs_are_given_back() {
 }
 
 #[test]
-fn a_log_whose_end_is_longer_than_what_replaces_it_is_given_back() {
+fn a_log_whose_end_is_longer_than_what_replaces_it_is_restored() {
     for log in [with_repeated_schemas(), with_zeros_at_the_end()] {
         let (enriched, _) = enrich_bytes(&log).expect("a result");
         assert!(enriched.len() < log.len());
@@ -96,7 +96,7 @@ fn a_log_whose_end_is_longer_than_what_replaces_it_is_given_back() {
 }
 
 #[test]
-fn a_log_of_several_chunks_of_results_is_given_back() {
+fn a_log_with_several_chunks_of_results_is_restored() {
     goes_there_and_back(&long_log()).expect("it is enriched");
 }
 
@@ -104,12 +104,12 @@ proptest! {
     #![proptest_config(crate::support::cases(32))]
 
     #[test]
-    fn a_log_of_any_shape_is_given_back(shape in any_shape()) {
+    fn a_log_of_any_shape_is_restored(shape in any_shape()) {
         prop_assert_eq!(goes_there_and_back(&shape.write()), Some(()));
     }
 
     #[test]
-    fn a_log_that_breaks_off_anywhere_is_given_back_with_its_torn_end(
+    fn a_truncated_log_is_restored_with_its_torn_end(
         shape in any_shape(), at in 0.0..1.0
     ) {
         let log = shape.write();
@@ -134,7 +134,7 @@ fn is_refused(log: impl AsRef<[u8]>, restoring: &str, enriching: &str) {
             &enriching,
         );
     }
-    // It is still a log, of which all can be told.
+    // It is still a log, all of which can be described.
     folder.run(&format!("inspect {LOG} --depression 60"), 1);
 }
 
@@ -182,7 +182,7 @@ fn a_log_that_another_program_rewrote_is_refused() {
 }
 
 #[test]
-fn a_log_with_something_of_anothers_among_what_was_added_is_refused() {
+fn a_log_to_which_another_program_added_since_is_refused() {
     let enriched = enriched_log();
     for kind in [op::MESSAGE, op::CHUNK, op::ATTACHMENT, op::METADATA] {
         // One of the log's own of that kind, or a message of its own. Its first chunk has none.
@@ -234,7 +234,7 @@ fn a_log_whose_attachment_is_damaged_is_refused() {
 
 #[test]
 fn an_attachment_with_more_than_the_end_is_refused() {
-    // A record that says nothing new, so that it may be taken for one that flightcam added.
+    // A record that says nothing new, so that it may be mistaken for one that flightcam added.
     let mut parts = Parts::of(&Shape::default().write());
     let schema = parts
         .summary
@@ -272,7 +272,7 @@ fn an_attachment_with_more_than_the_end_is_refused() {
 
 #[test]
 #[cfg(unix)]
-fn an_attachment_that_is_larger_than_it_says_is_not_uncompressed() {
+fn an_attachment_that_is_larger_than_declared_is_not_decompressed() {
     let enriched = with_tail(&enriched_log(), |tail| {
         let zeros = std::io::repeat(0).take(1 << 30);
         tail.tail_zstd = zstd::encode_all(zeros, 1).expect("compressed");
@@ -285,7 +285,7 @@ fn an_attachment_that_is_larger_than_it_says_is_not_uncompressed() {
     assert_reads(&err, &format!("error: {LOG}: cannot be restored: {OTHER}"));
 }
 
-/// Restores a log that may be damaged, which gives the original or leaves everything as it was. Whether it gave it.
+/// Restores a log that may be damaged, which gives the original or leaves everything as it was. Whether it did.
 #[track_caller]
 fn restores_or_refuses(damaged: &[u8], original: &[u8]) -> bool {
     let folder = Folder::with(LOG, damaged);
@@ -299,7 +299,7 @@ fn restores_or_refuses(damaged: &[u8], original: &[u8]) -> bool {
 }
 
 #[test]
-fn a_log_that_was_cut_short_is_given_back_if_the_attachment_is_whole() {
+fn a_log_that_was_cut_short_is_restored_if_the_attachment_is_whole() {
     let log = Shape::default().write();
     let (enriched, _) = enrich_bytes(&log).expect("a result");
     let summary = Summary::read(&enriched).expect("readable");
@@ -313,7 +313,7 @@ fn a_log_that_was_cut_short_is_given_back_if_the_attachment_is_whole() {
         let restored = restores_or_refuses(&enriched[..length], &log);
         assert_eq!(restored, length >= end, "{length} of {}", enriched.len());
     }
-    // Behind the last chunk, so that there is still a word of the earlier run.
+    // After the last chunk, so that there still is a trace of the earlier run.
     is_lost(&enriched[..end - 1]);
 }
 
@@ -321,7 +321,7 @@ proptest! {
     #![proptest_config(crate::support::cases(256))]
 
     #[test]
-    fn a_damaged_log_is_given_back_or_left_alone(
+    fn a_damaged_log_is_restored_or_left_unchanged(
         place in any::<prop::sample::Index>(), flipped in 1..=255u8
     ) {
         let log = Shape { messages: 20, ..Shape::default() }.write();

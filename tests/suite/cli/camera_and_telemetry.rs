@@ -1,23 +1,28 @@
-//! Telemetry and camera as told on the command line: what comes of it in the result, and what is refused.
+//! Telemetry and camera as given on the command line: how they affect the result, and what is refused.
 
 use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use crate::support::{DERIVED, folder::*, message::Said, stream, topics::*};
+use crate::support::{DERIVED, folder::*, message::DerivedMessage, stream, topics::*};
 
-/// Enriches a log, which must succeed; gives what the derived messages say, and the report.
+/// Enriches a log, which must succeed; returns the derived messages and the report.
 #[track_caller]
-fn enriched(topics: &[Topic], arguments: &str) -> (Vec<Said>, Value) {
+fn enriched(topics: &[Topic], arguments: &str) -> (Vec<DerivedMessage>, Value) {
     let folder = Folder::with(LOG, log(topics));
     let report = folder.reports(&format!("enrich {LOG} {arguments}"), 0);
     let derived = stream(&folder.read(RESULT), false).into_iter();
     let derived = derived.filter(|message| DERIVED.contains(&message.topic.as_str()));
-    (derived.map(|message| Said::by(&message)).collect(), report)
+    (
+        derived
+            .map(|message| DerivedMessage::decode(&message))
+            .collect(),
+        report,
+    )
 }
 
 #[track_caller]
-fn assert_same(these: &[Said], those: &[Said]) {
+fn assert_same(these: &[DerivedMessage], those: &[DerivedMessage]) {
     assert_eq!(these.len(), those.len());
     for (this, that) in these.iter().zip(those) {
         assert_eq!((&this.topic, this.stamp), (&that.topic, that.stamp));
@@ -28,7 +33,7 @@ fn assert_same(these: &[Said], those: &[Said]) {
 }
 
 #[track_caller]
-fn assert_differ(these: &[Said], those: &[Said]) {
+fn assert_differ(these: &[DerivedMessage], those: &[DerivedMessage]) {
     let mut pairs = these.iter().zip(those);
     assert!(pairs.any(|(a, b)| (a.numbers[2] - b.numbers[2]).abs() > 1e-3));
 }
@@ -52,7 +57,7 @@ fn level() -> Topic {
 }
 
 #[test]
-fn a_log_whose_names_nobody_has_foreseen_yields_the_same_as_flat() {
+fn telemetry_named_by_arguments_yields_the_same_as_the_profile_flat() {
     let degrees = states(COUNT, PI / 180.0);
     let imu = degrees.map(|state| json!({ "att": [state["roll"], state["pitch"], state["yaw"]] }));
     let centimetres = |speed: &Value| speed.as_f64().unwrap() * 100.0;
@@ -70,11 +75,11 @@ fn a_log_whose_names_nobody_has_foreseen_yields_the_same_as_flat() {
     assert_eq!(report["velocity"]["topic"], "/gps");
 }
 
-mod a_mount {
+mod mount {
     use super::*;
 
     #[test]
-    fn bolts_the_camera_to_the_airframe() {
+    fn a_mount_fixes_the_camera_to_the_airframe() {
         let (gimballed, _) = enriched(&[level()], "--depression 30");
         for mount in ["--mount 0,-30,0", "--mount=0,-30,0", "--mount -0,-30.0,0e0"] {
             let (bolted, report) = enriched(&[level()], mount);
@@ -89,7 +94,7 @@ mod a_mount {
     }
 
     #[test]
-    fn with_a_depression_turns_the_gimballed_camera_sideways() {
+    fn a_mount_with_a_depression_turns_the_gimballed_camera_sideways() {
         let (bolted, _) = enriched(&[level()], "--mount 0,-30,90");
         let (gimballed, report) = enriched(&[level()], "--mount 0,0,90 --depression 30");
         assert_same(&gimballed, &bolted);
@@ -97,7 +102,7 @@ mod a_mount {
     }
 
     #[test]
-    fn that_cannot_be_is_a_wrong_argument() {
+    fn an_impossible_mount_is_a_wrong_argument() {
         let folder = Folder::with(LOG, log(&[flat()]));
         for (arguments, message) in [
             (
@@ -129,12 +134,12 @@ mod a_mount {
 }
 
 #[test]
-fn without_any_camera_the_ways_to_tell_it_are_explained() {
+fn without_a_camera_the_options_for_it_are_explained() {
     let message = "does not say where the camera looks … --depression DEG … --depression 30 … -30° … --mount ROLL,PITCH,YAW … --gimbal";
     Folder::with(LOG, log(&[flat()])).refuses(&format!("enrich {LOG}"), 2, message);
 }
 
-mod a_gimbal {
+mod gimbal {
     use super::*;
 
     fn pitched(name: &'static str, field: &str, angle: f64) -> Topic {
@@ -142,7 +147,7 @@ mod a_gimbal {
     }
 
     #[test]
-    fn of_one_field_is_followed() {
+    fn a_gimbal_with_a_pitch_alone_is_followed() {
         let (expected, _) = enriched(&[flat()], "--depression 30");
         for (field, angle, argument) in [
             ("pitch", -30.0, "/gimbal.pitch:degrees"),
@@ -160,7 +165,7 @@ mod a_gimbal {
     }
 
     #[test]
-    fn may_be_in_the_attitudes_own_messages() {
+    fn gimbal_angles_may_be_in_the_attitudes_messages() {
         let with_gimbal = states(COUNT, 1.0).map(|mut state| {
             state["gimbal"] = json!({ "pitch": -45 });
             state
@@ -174,7 +179,7 @@ mod a_gimbal {
     }
 
     #[test]
-    fn of_the_log_is_followed_unless_the_user_tells_the_angle() {
+    fn the_logs_gimbal_is_followed_unless_an_angle_is_given() {
         let q = |pitch: f64| json!([(pitch / 2.0).cos(), 0.0, (pitch / 2.0).sin(), 0.0]);
         let px4 = || {
             let attitudes = (0..COUNT).map(|i| {
@@ -204,7 +209,7 @@ mod a_gimbal {
     }
 }
 
-mod the_time {
+mod time {
     use super::*;
 
     /// Flat telemetry whose messages say when they were made: half a second after they were logged.
@@ -220,7 +225,7 @@ mod the_time {
     }
 
     #[test]
-    fn of_a_sample_is_what_the_user_says() {
+    fn sample_times_are_those_that_the_option_names() {
         for (argument, earlier, later) in [
             ("", 0, 0),
             ("--time log", 0, 0),
@@ -232,8 +237,8 @@ mod the_time {
             let (derived, _) = enriched(&[stamped()], &format!("--depression 30 {argument}"));
             let of_velocity = derived
                 .iter()
-                .filter(|said| said.topic == "/camera/velocity");
-            let times: Vec<u64> = of_velocity.map(|said| said.log_time).collect();
+                .filter(|message| message.topic == "/camera/velocity");
+            let times: Vec<u64> = of_velocity.map(|message| message.log_time).collect();
             let expected: Vec<u64> = (0..COUNT as u32)
                 .map(|n| time(n) - earlier + later)
                 .collect();
@@ -242,7 +247,7 @@ mod the_time {
     }
 
     #[test]
-    fn that_cannot_be_is_refused() {
+    fn an_impossible_time_is_refused() {
         let folder = Folder::with(LOG, log(&[stamped()]));
         for (argument, code, message) in [
             (

@@ -1,4 +1,4 @@
-//! What shells and `man` are given: scripts that complete, and manual pages.
+//! Completion scripts for shells, and manual pages.
 
 use std::{fs, process::Command};
 

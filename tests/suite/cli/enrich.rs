@@ -1,4 +1,4 @@
-//! The command line as a user meets it: arguments in; exit code, words and files out.
+//! `flightcam enrich` as a user sees it: arguments in; exit code, words and files out.
 //!
 //! Each run is checked for more than its own test asks: see [`Folder::refuses`] and [`Folder::writes`].
 
@@ -71,7 +71,7 @@ fn depressions_from_nearly_straight_up_to_straight_down_are_accepted() {
 }
 
 #[test]
-fn an_output_that_exists_is_replaced_only_when_told() {
+fn an_existing_output_is_replaced_only_with_force() {
     let folder = Folder::with_flight();
     folder.add(RESULT, "an older result");
     let message = "flight.enriched.mcap: exists already … -o … --force";
@@ -97,7 +97,7 @@ fn an_earlier_result_is_replaced() {
 }
 
 #[test]
-fn the_encoding_is_as_asked_for_and_the_advice_names_its_fields() {
+fn the_requested_encoding_is_written_and_the_advice_names_its_fields() {
     let own = "flightcam.v1.CameraVelocity … /camera/relative_rpy.yaw and /camera/velocity.x.";
     let ros2 = "geometry_msgs/msg/Vector3Stamped … \
                 /camera/relative_rpy.vector.z and /camera/velocity.vector.x.";
@@ -120,7 +120,7 @@ fn the_encoding_is_as_asked_for_and_the_advice_names_its_fields() {
 }
 
 #[test]
-fn degrees_are_read_when_told_and_suspected_when_not() {
+fn degrees_are_read_with_flat_deg_and_suspected_without_it() {
     let [radians, degrees, mistaken] = [
         (1.0, "", false),
         (PI / 180.0, "--profile flat-deg", false),

@@ -18,7 +18,7 @@ fn help_and_version_are_printed_when_asked_for() {
 }
 
 #[test]
-fn every_example_of_the_help_means_something() {
+fn every_example_in_the_help_is_understood() {
     for subcommand in ["enrich", "inspect"] {
         let (help, _) = Folder::new().run(&format!("{subcommand} --help"), 0);
         let words: Vec<&str> = help.split_whitespace().collect();
@@ -28,7 +28,7 @@ fn every_example_of_the_help_means_something() {
         let examples: Vec<(&str, &str)> = examples.map(|pair| (pair[0], pair[1])).collect();
         assert!(examples.len() >= 10, "{examples:?}");
         for (option, value) in examples {
-            // One stands in a sentence.
+            // One is in a sentence.
             let value = value.trim_end_matches(',');
             let role = Kind::ALL
                 .into_iter()

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::support::{folder::*, topics::*, *};
 
 /// Inspects [`LOG`], which must be possible: with this exit code, nothing on standard error, and no file changed.
-/// Gives what was printed.
+/// Returns what was printed.
 #[track_caller]
 fn prints(folder: &Folder, arguments: &str, code: i32) -> String {
     let before = folder.contents();
@@ -20,7 +20,7 @@ fn prints(folder: &Folder, arguments: &str, code: i32) -> String {
 
 /// The same with `--json`, which must agree with the words about whether there is a problem.
 #[track_caller]
-fn tells(folder: &Folder, arguments: &str, code: i32) -> Value {
+fn reports(folder: &Folder, arguments: &str, code: i32) -> Value {
     let words = prints(folder, arguments, code);
     assert_eq!(words.contains("enrich would fail: "), code == 1, "{words}");
     let json = prints(folder, &format!("{arguments} --json"), code);
@@ -32,16 +32,16 @@ fn tells(folder: &Folder, arguments: &str, code: i32) -> Value {
 /// Checks that enriching would fail for this reason.
 #[track_caller]
 fn finds_a_problem(log: &[u8], arguments: &str, problem: &str) -> Value {
-    let told = tells(&Folder::with(LOG, log), arguments, 1);
-    let said = told["problem"].as_str().expect("a problem");
-    assert!(said.starts_with(&format!("{LOG}: ")), "{said}");
+    let report = reports(&Folder::with(LOG, log), arguments, 1);
+    let reported = report["problem"].as_str().expect("a problem");
+    assert!(reported.starts_with(&format!("{LOG}: ")), "{reported}");
     let printed = prints(&Folder::with(LOG, log), arguments, 1);
     assert_reads(&printed, &format!("enrich would fail: … {problem}"));
-    told
+    report
 }
 
 #[test]
-fn all_that_was_found_is_laid_out_for_a_narrow_terminal() {
+fn the_findings_fit_a_narrow_terminal() {
     let printed = prints(&Folder::with_flight(), "", 0);
     let expected = "\
 Log         flight.mcap: 210.26 KiB, 3,416 messages on 4 topics
@@ -85,7 +85,7 @@ fn small_log() -> Folder {
 
 #[test]
 fn the_json_has_every_number_under_names_that_scripts_rely_on() {
-    let mut told = tells(&small_log(), "--profile flat --depression 30", 0);
+    let mut report = reports(&small_log(), "--profile flat --depression 30", 0);
     let length = small_log().read(LOG).len();
     let role = |fields: [&str; 3], used: u64, dropped: Value, first: Value| {
         json!({
@@ -104,10 +104,10 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
             "first": first,
         })
     };
-    let position = told["telemetry"]["roles"]["position"].take();
+    let position = report["telemetry"]["roles"]["position"].take();
     assert_eq!(position.as_object().map(|position| position.len()), Some(1));
     assert_eq!(position["missing"]["kind"], "messages");
-    let pitch = told["telemetry"]["roles"]["attitude"]["first"]["pitch_deg"].take();
+    let pitch = report["telemetry"]["roles"]["attitude"]["first"]["pitch_deg"].take();
     assert!((pitch.as_f64().unwrap() + 5.7296).abs() < 1e-4);
     let attitude = json!({
         "kind": "attitude",
@@ -160,13 +160,13 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
         ],
         "notes": [],
     });
-    assert_eq!(told, expected);
+    assert_eq!(report, expected);
 }
 
 #[test]
-fn the_camera_is_told_in_words_and_for_scripts() {
+fn the_camera_is_described_in_words_and_in_json() {
     let flight = Folder::with_flight();
-    assert_eq!(tells(&flight, "", 0)["telemetry"]["camera"], Value::Null);
+    assert_eq!(reports(&flight, "", 0)["telemetry"]["camera"], Value::Null);
     for (arguments, kind, words) in [
         (
             "--depression 30",
@@ -184,8 +184,8 @@ fn the_camera_is_told_in_words_and_for_scripts() {
             "follows the gimbal",
         ),
     ] {
-        let told = tells(&flight, arguments, 0);
-        assert_eq!(told["telemetry"]["camera"]["kind"], kind);
+        let report = reports(&flight, arguments, 0);
+        assert_eq!(report["telemetry"]["camera"]["kind"], kind);
         let words = format!("Camera {words}");
         let printed = prints(&flight, arguments, 0).replace("Camera      ", "Camera ");
         assert_reads(&printed, &words);
@@ -200,7 +200,7 @@ fn the_camera_is_told_in_words_and_for_scripts() {
 }
 
 #[test]
-fn invalid_samples_and_topics_that_cannot_be_are_explained() {
+fn invalid_samples_and_underivable_topics_are_explained() {
     let mut px4 = local_position("/fmu/out/vehicle_local_position");
     let invalid = json!({ "vx": 1, "vy": 0, "vz": 0, "v_xy_valid": false, "v_z_valid": true });
     px4.messages[0] = invalid.to_string().into();
@@ -221,15 +221,18 @@ fn invalid_samples_and_topics_that_cannot_be_are_explained() {
 }
 
 #[test]
-fn what_looks_odd_is_noted() {
+fn suspicious_angles_and_truncation_are_noted() {
     let degrees = log(&[topic("/state", states(50, std::f64::consts::PI / 180.0))]);
     let folder = Folder::with(LOG, degrees);
     let note = "if they are degrees, use --profile flat-deg";
     assert_reads(&prints(&folder, "", 0), &format!("Note … {note}"));
-    let told = &tells(&folder, "", 0)["notes"][0];
-    assert_eq!(told["kind"], "suspicious_angle");
-    assert_eq!(told["topic"], "/state");
-    assert_eq!(tells(&folder, "--profile flat-deg", 0)["notes"], json!([]));
+    let report = &reports(&folder, "", 0)["notes"][0];
+    assert_eq!(report["kind"], "suspicious_angle");
+    assert_eq!(report["topic"], "/state");
+    assert_eq!(
+        reports(&folder, "--profile flat-deg", 0)["notes"],
+        json!([])
+    );
 
     let whole = fs::read(repository("fixtures/survey_flight.mcap")).unwrap();
     let folder = Folder::with(LOG, &whole[..whole.len() * 6 / 10]);
@@ -237,20 +240,20 @@ fn what_looks_odd_is_noted() {
         &prints(&folder, "", 0),
         "the whole log was read, because it has no complete summary … Note … the log breaks off at byte",
     );
-    let told = tells(&folder, "", 0);
-    let (before, behind) = (
-        told["bytes"].as_u64().unwrap(),
-        told["messages"].as_u64().unwrap(),
+    let report = reports(&folder, "", 0);
+    let (bytes, messages) = (
+        report["bytes"].as_u64().unwrap(),
+        report["messages"].as_u64().unwrap(),
     );
     assert_eq!(
-        (before, told["scanned"].clone()),
+        (bytes, report["scanned"].clone()),
         (whole.len() as u64 * 6 / 10, json!(true))
     );
-    assert!((1000..3416).contains(&behind));
+    assert!((1000..3416).contains(&messages));
 }
 
 #[test]
-fn the_profile_and_what_else_would_fit_are_told() {
+fn the_profile_and_its_runners_up_are_named() {
     let topics = [
         odometry("/odom"),
         flat("/state"),
@@ -264,7 +267,7 @@ fn the_profile_and_what_else_would_fit_are_told() {
          nav-msgs fits less well: /odom has … flat fits less well: /state has … \
          Vehicle     /drone1 … Other topics … nav_msgs (json): 2 messages on /odom",
     );
-    let telemetry = &tells(&folder, "", 0)["telemetry"];
+    let telemetry = &reports(&folder, "", 0)["telemetry"];
     assert_eq!(telemetry["namespace"], "/drone1");
     let runners_up = telemetry["runners_up"].as_array().expect("a list");
     let names = runners_up
@@ -287,7 +290,7 @@ fn the_profile_and_what_else_would_fit_are_told() {
 }
 
 #[test]
-fn of_what_fits_equally_well_the_problem_tells_how_to_choose() {
+fn ambiguous_telemetry_is_a_problem_that_says_how_to_choose() {
     let vehicles = ["/a/mavros/imu/data", "/b/mavros/imu/data"].map(|name| {
         twice(name, json!({ "orientation": quaternion() })).of_type("sensor_msgs/msg/Imu")
     });
@@ -313,10 +316,10 @@ fn of_what_fits_equally_well_the_problem_tells_how_to_choose() {
         ),
     ] {
         let log = log(&topics);
-        let told = finds_a_problem(&log, "", &format!("{words}{choice}"));
-        assert_eq!(told["telemetry"], Value::Null);
-        assert_eq!(told["messages"], 4);
-        tells(&Folder::with(LOG, log), choice, 0);
+        let report = finds_a_problem(&log, "", &format!("{words}{choice}"));
+        assert_eq!(report["telemetry"], Value::Null);
+        assert_eq!(report["messages"], 4);
+        reports(&Folder::with(LOG, log), choice, 0);
     }
 }
 
@@ -324,25 +327,25 @@ fn of_what_fits_equally_well_the_problem_tells_how_to_choose() {
 fn a_log_without_telemetry_is_described_all_the_same() {
     let battery = topic("/battery", [json!({ "voltage": 15.9 })]);
     let battery = log(&[battery]);
-    let told = finds_a_problem(
+    let report = finds_a_problem(
         &battery,
         "",
         "no usable telemetry … px4-ulog: … topics of the log: … /battery",
     );
-    assert_eq!(told["other_topics"][0]["topics"], json!(["/battery"]));
+    assert_eq!(report["other_topics"][0]["topics"], json!(["/battery"]));
     let printed = prints(&Folder::with(LOG, battery), "", 1);
     assert_reads(
         &printed,
         "1 message on 1 topic … enrich would fail: … topics of the log: … /battery (json, no schema)",
     );
 
-    let told = finds_a_problem(
+    let report = finds_a_problem(
         &log(&[]),
         "",
         "no usable telemetry … the log has no messages",
     );
     assert_eq!(
-        (&told["messages"], &told["times"]),
+        (&report["messages"], &report["times"]),
         (&json!(0), &Value::Null)
     );
 
@@ -361,28 +364,28 @@ fn a_log_without_telemetry_is_described_all_the_same() {
 }
 
 #[test]
-fn of_an_enriched_log_the_original_is_inspected() {
+fn the_original_of_an_enriched_log_is_inspected() {
     let folder = Folder::with_flight();
-    let original = tells(&folder, "", 0);
+    let original = reports(&folder, "", 0);
     folder.writes(RESULT, &format!("enrich {LOG} --depression 30"), 0);
     let enriched = Folder::with(LOG, folder.read(RESULT));
-    let mut told = tells(&enriched, "", 0);
-    let note = &told["notes"][0];
+    let mut report = reports(&enriched, "", 0);
+    let note = &report["notes"][0];
     assert_eq!(note["kind"], "original_inspected");
     assert_reads(note["earlier"]["camera"].as_str().unwrap(), "30° below");
-    told["notes"] = json!([]);
-    assert_eq!(told, original);
+    report["notes"] = json!([]);
+    assert_eq!(report, original);
 }
 
 #[test]
-fn a_log_with_topics_like_the_results_would_not_be_enriched() {
+fn a_log_with_foreign_topics_named_like_the_results_cannot_be_enriched() {
     let foreign = topic("/camera/velocity", [json!({ "x": 1.0 })]);
     let log = log(&[flat("/state"), foreign]);
     finds_a_problem(&log, "", "/camera/velocity, which flightcam did not write");
 }
 
 #[test]
-fn what_cannot_be_read_is_an_error() {
+fn an_unreadable_log_is_an_error() {
     for (content, message) in [
         (&b"roll,pitch,yaw\n"[..], "not an MCAP file"),
         (b"", "the file is empty"),

@@ -57,7 +57,7 @@ fn a_profile_is_printed_as_it_is_with_the_sources_of_its_conventions() {
 }
 
 #[test]
-fn what_is_printed_works_as_a_profile_of_ones_own() {
+fn a_printed_profile_works_as_a_profile_file() {
     let folder = Folder::with_flight();
     let built_in = folder.reports(&format!("enrich {LOG} --depression 30 --profile flat"), 0);
     folder.add(
@@ -86,7 +86,7 @@ fn what_is_printed_works_as_a_profile_of_ones_own() {
 }
 
 #[test]
-fn an_unknown_profile_is_refused_with_those_that_there_are() {
+fn an_unknown_profile_is_refused_with_the_known_names() {
     let names: Vec<String> = (Profile::built_in().into_iter())
         .map(|profile| profile.name)
         .collect();

@@ -58,7 +58,7 @@ const MESSAGE: &str = r#"{"stamps":[3,4,5],"note":"tail\twind","mode":"flying",
     "esc":[{"angles":[1,2,3]},{"angles":[4]},{"angles":[5,6]}]}"#;
 
 #[test]
-fn neither_does_reading_texts_and_elements_of_lists() {
+fn reading_strings_and_list_elements_allocates_nothing() {
     let mut log = Logbook::new();
     let (channel, message) = log.protobuf(
         "/rotors",
@@ -85,7 +85,7 @@ fn neither_does_reading_texts_and_elements_of_lists() {
 }
 
 #[test]
-fn json_takes_one_buffer_for_texts_with_escapes() {
+fn json_strings_with_escapes_take_one_buffer() {
     let flat = |name: &str, text: &str| {
         let mut log = Logbook::new();
         let channel = log.json("/rotors");

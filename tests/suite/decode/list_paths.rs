@@ -111,7 +111,7 @@ impl Lists {
         ]
     }
 
-    /// As a JSON message, its whole numbers of 64 bits as text where `in_text` says so.
+    /// As a JSON message, with whole numbers of 64 bits as strings where `in_text` says so.
     fn json(&self, in_text: bool) -> String {
         let esc = |(rpm, temperatures): &(i32, Vec<f32>)| json!({"rpm": rpm, "x": [[1]], "temperatures": temperatures});
         let counts = self.counts.iter().map(|count| match in_text {
@@ -126,7 +126,7 @@ impl Lists {
     }
 
     /// As a protobuf message. Of each two bits of `ways`, the first says whether the next number of a list is packed
-    /// together with the one before, the second whether `body` goes on in another part.
+    /// together with the previous one, the second whether `body` goes on in another part.
     fn protobuf(&self, mut ways: u64) -> Vec<u8> {
         let mut out = Vec::new();
         let mut together = || {
@@ -226,6 +226,8 @@ fn check(
 }
 
 proptest! {
+    #![proptest_config(crate::support::cases(256))]
+
     #[test]
     fn elements_of_protobuf_lists_are_read_however_they_are_packed(
         messages in vec((lists(), any::<u64>()), 1..5),
@@ -259,7 +261,7 @@ proptest! {
 }
 
 #[test]
-fn an_element_that_no_list_has_is_missing_or_in_json_an_error() {
+fn an_element_that_no_list_has_is_missing_and_in_json_an_error() {
     let message = r#"{"still":0,"q":[1,2,3,4]}"#;
     let found = find(protobuf_log(LISTS, &[message; 3]), ["q[4]"; 3]);
     assert_eq!(found, Ok((vec![], vec![("missing_field", 3)])));
@@ -268,7 +270,7 @@ fn an_element_that_no_list_has_is_missing_or_in_json_an_error() {
         error.contains("`q[4]`") && error.contains("has q, still"),
         "{error}"
     );
-    // A fixed list tells by its definition.
+    // The length of a fixed list is in its definition.
     let types = Types::from([("p/A", "float64 still\nfloat64[4] q")]);
     let mut log = Logbook::new();
     let channel = log.ros(Wire::LittleEndian, "/t", "p/A", &types.text("p/A"));
@@ -286,14 +288,14 @@ fn an_element_that_no_list_has_is_missing_or_in_json_an_error() {
 }
 
 #[test]
-fn json_lists_may_lie_in_lists() {
+fn json_lists_may_be_nested() {
     let message = r#"{"still":0,"m":[[1,2,3],[4,"5",6],{"a":[7]}]}"#;
     let found = find(json_log(&[message]), ["m[0][2]", "m[1][1]", "m[2].a[0]"]);
     assert_eq!(found, Ok((vec![[3.0, 5.0, 7.0]], vec![])));
 }
 
 #[test]
-fn a_path_into_what_is_no_message_or_list_says_so() {
+fn a_path_into_a_number_or_string_is_an_error_that_says_so() {
     let definition = "message Message { double still = 1; string note = 2; bytes raw = 3; map<string, double> by = 4;
         repeated Esc esc = 5; } message Esc { double rpm = 1; }";
     for (path, essential) in [
@@ -327,10 +329,10 @@ fn a_path_into_what_is_no_message_or_list_says_so() {
     }
 }
 
-// ---- Numbers in text ----
+// ---- Numbers in strings ----
 
 #[test]
-fn json_numbers_may_be_given_as_text() {
+fn json_numbers_may_be_strings() {
     let message = |x: &str| format!(r#"{{"still":"0","x":{x},"y":"-1e3","z":" 0.5 "}}"#);
     let texts = [
         r#""12.5""#,
@@ -356,7 +358,7 @@ fn json_numbers_may_be_given_as_text() {
 }
 
 #[test]
-fn a_json_list_may_hold_numbers_as_text() {
+fn a_json_list_may_hold_numbers_as_strings() {
     let profile = r#"
         name = "list"
         [attitude]
@@ -437,7 +439,7 @@ fn whole_numbers_of_64_bits_are_times_to_the_nanosecond() {
 }
 
 #[test]
-fn a_time_may_be_in_any_unit_and_one_that_cannot_be_is_dropped() {
+fn a_time_may_be_in_any_unit_and_an_impossible_one_is_dropped() {
     for (unit, stamp, expected) in [
         ("s", "1712345678.5", Ok(1_712_345_678_500_000_000)),
         ("s", "1712345678", Ok(1_712_345_678_000_000_000)),

@@ -1,4 +1,4 @@
-//! ROS 2 and ROS 1 messages: what definitions may look like, where fields lie, and messages that cannot be read.
+//! ROS 2 and ROS 1 messages: what definitions may look like, where fields are, and messages that cannot be read.
 
 use std::time::{Duration, Instant};
 
@@ -58,10 +58,10 @@ fn little_endian(body: &[u8]) -> Vec<u8> {
     [&[0, 1, 0, 0], body].concat()
 }
 
-// ---- Where fields lie ----
+// ---- Where fields are ----
 
 #[test]
-fn a_field_lies_behind_whatever_comes_before_it() {
+fn a_field_is_found_after_fields_of_any_type() {
     let definitions = [
         (
             "p/A",
@@ -93,7 +93,7 @@ fn a_field_lies_behind_whatever_comes_before_it() {
             Wire::Ros1 => without_bounds(&types.text("p/A")),
             _ => types.text("p/A"),
         };
-        // Texts of different lengths shift all that follows.
+        // Strings of different lengths shift all that follows.
         let messages = [json!([]), json!(["", "abc"]), json!(["a", "b", "cd", ""])]
             .map(|texts| types.serialize(wire, "p/A", &message(texts)));
         for (fields, expected) in [
@@ -126,7 +126,7 @@ fn a_field_lies_behind_whatever_comes_before_it() {
 }
 
 #[test]
-fn an_element_that_a_list_is_too_short_for_is_missing() {
+fn an_element_beyond_the_end_of_a_list_is_missing() {
     let types = Types::from([("p/A", "p/Esc[] esc\nuint8 last"), ("p/Esc", "int32 rpm")]);
     for wire in Wire::ALL {
         let messages = [1, 2, 3].map(|length: usize| {
@@ -192,7 +192,7 @@ fn ros1_has_types_of_its_own() {
 }
 
 #[test]
-fn in_ros2_char_and_byte_are_unsigned_and_times_may_go_undefined() {
+fn in_ros2_char_and_byte_are_unsigned_and_times_need_no_definition() {
     let text = "char c\nbyte b\nint8 i\nbool t\nbuiltin_interfaces/Time stamp\nbuiltin_interfaces/msg/Duration d\nuint8 last";
     let mut body = vec![250, 251, 252, 2];
     for word in [-1, 5, -2, -1] {
@@ -218,7 +218,7 @@ fn in_ros2_char_and_byte_are_unsigned_and_times_may_go_undefined() {
 // ---- Definitions ----
 
 #[test]
-fn definitions_may_be_awkward() {
+fn unusual_definitions_are_understood() {
     for text in [
         "uint8 a\nuint8 b",
         "\u{feff}uint8 a\r\nuint8 b\r\n",
@@ -264,7 +264,7 @@ fn nested(levels: usize) -> String {
 }
 
 #[test]
-fn messages_may_be_64_deep() {
+fn messages_may_be_nested_64_deep() {
     let path = (1..64).map(|_| "m.").collect::<String>() + "a";
     let message = little_endian(&[7]);
     let found = find_one(Wire::LittleEndian, &nested(63), &message, &path);
@@ -272,7 +272,7 @@ fn messages_may_be_64_deep() {
 }
 
 #[test]
-fn a_definition_that_cannot_be_used_says_why() {
+fn an_unusable_definition_is_an_error_that_says_why() {
     for (text, essential) in [
         ("uint8", "line 1, `uint8`, names no field"),
         (
@@ -308,7 +308,7 @@ fn a_definition_that_cannot_be_used_says_why() {
 }
 
 #[test]
-fn what_lies_before_a_wide_text_can_be_read_and_what_lies_behind_cannot() {
+fn fields_before_a_wstring_can_be_read_and_fields_after_it_cannot() {
     let text = "uint8 a\nE[] es\nE one\nuint8 b\n===\nMSG: p/E\nuint8 x\nwstring<=9 w\nuint8 y";
     let message = little_endian(&[5, 0, 0, 0, 0, 0, 0, 0, 6]);
     assert_eq!(find_one(Wire::LittleEndian, text, &message, "a"), Ok(5.0));
@@ -323,7 +323,7 @@ fn what_lies_before_a_wide_text_can_be_read_and_what_lies_behind_cannot() {
 }
 
 #[test]
-fn a_path_that_leads_nowhere_names_where_it_stops() {
+fn a_path_to_an_unknown_field_is_an_error_that_names_where_it_stops() {
     let text = "float32[4] q\nE[] esc\nstring s\nE one\n===\nMSG: p/E\nint32 rpm";
     for (field, essential) in [
         (
@@ -411,18 +411,18 @@ fn encapsulations_that_are_not_read_are_counted_each_under_its_own_name() {
             output.expect("the program runs")
         };
         let partly = run(&messages);
-        let said = String::from_utf8_lossy(&partly.stdout).into_owned();
-        assert_eq!(partly.status.code(), Some(3), "{said}");
-        assert!(said.contains(words), "{said}");
+        let text = String::from_utf8_lossy(&partly.stdout).into_owned();
+        assert_eq!(partly.status.code(), Some(3), "{text}");
+        assert!(text.contains(words), "{text}");
         let not_at_all = run(&bad);
-        let said = String::from_utf8_lossy(&not_at_all.stderr).into_owned();
-        assert_eq!(not_at_all.status.code(), Some(1), "{said}");
-        assert!(said.contains(words), "{said}");
+        let text = String::from_utf8_lossy(&not_at_all.stderr).into_owned();
+        assert_eq!(not_at_all.status.code(), Some(1), "{text}");
+        assert!(text.contains(words), "{text}");
     }
 }
 
 #[test]
-fn a_message_that_breaks_off_before_a_wanted_field_ends_is_counted() {
+fn a_message_truncated_before_the_end_of_a_wanted_field_is_counted() {
     let types = Types::from([("p/A", "string name\nfloat64[] some\nfloat32 a\nfloat32 b")]);
     let message = json!({"name": "ab", "some": [1.0, 2.0], "a": 0.5, "b": 0.25});
     for wire in Wire::ALL {
@@ -434,7 +434,7 @@ fn a_message_that_breaks_off_before_a_wanted_field_ends_is_counted() {
             found("b"),
             Ok((vec![[0.25; 3]], vec![("undecodable", cut_off)]))
         );
-        // Only what lies before it matters.
+        // Only what comes before it matters.
         assert_eq!(
             found("a"),
             Ok((vec![[0.5; 3]; 5], vec![("undecodable", cut_off - 4)]))
@@ -443,7 +443,7 @@ fn a_message_that_breaks_off_before_a_wanted_field_ends_is_counted() {
 }
 
 #[test]
-fn lengths_that_lie_cost_no_more_than_the_bytes_that_there_are() {
+fn false_lengths_cost_no_more_than_the_bytes_that_are_there() {
     let lists = "uint8[] a\nfloat64[] b\nstring[] c\nE[] e\nfloat64[1000000000] f\nuint8 last\n\
                  ===\nMSG: p/E\nuint8 a\nfloat64[] b\nG[1000000] g\n===\nMSG: p/G\nH[1000000] h\nstring s\n\
                  ===\nMSG: p/H\nfloat64[1000000] x\nuint8 y";

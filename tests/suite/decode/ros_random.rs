@@ -1,5 +1,5 @@
-//! Any number of any ROS message is read exactly, whatever lies before it: random definitions and messages of
-//! them, in each of the three forms, from a serialiser of the tests' own.
+//! Any number of any ROS message is read exactly, whatever comes before it: random definitions and messages of them,
+//! in each of the three forms, from a serialiser of the tests' own.
 
 use std::collections::BTreeMap;
 
@@ -119,7 +119,7 @@ impl Definition {
     }
 }
 
-/// A message in the making, and where its numbers lie: each by its path.
+/// A message in the making, and its numbers by their paths.
 struct Filling<'a> {
     wire: Wire,
     random: &'a mut Random,

@@ -1,4 +1,4 @@
-//! Logs that are not as they should be: what is counted, what is refused, in which words, and that a refusal
+//! Logs that are not as they should be: what is counted, what is refused and with which error, and that a refusal
 //! leaves no trace. [`Folder::refuses`] and [`Folder::writes`] check the latter.
 
 use std::fs;
@@ -22,7 +22,7 @@ fn enrich(arguments: &str) -> String {
     format!("enrich {LOG} {arguments}")
 }
 
-/// The log of a book.
+/// The log in a folder.
 fn written(book: Logbook) -> Folder {
     let (_folder, path) = book.finish();
     Folder::with(LOG, fs::read(path).expect("the log"))
@@ -48,7 +48,7 @@ mod truncated_messages {
 
     const LOST: [u32; 3] = [3, 4, 30];
 
-    /// Checks that the run goes on without three of fifty messages, and says so.
+    /// Checks that the run goes on without three of fifty messages and reports that.
     fn are_counted(folder: &Folder, arguments: &str) {
         let report = folder.writes(RESULT, &enrich(arguments), 3);
         assert_reads(
@@ -72,7 +72,7 @@ mod truncated_messages {
     }
 
     #[test]
-    fn of_json_are_counted() {
+    fn truncated_json_messages_are_counted() {
         let mut state = topic("/drone/state", states(COUNT as i32, 1.0));
         let messages = (0..).zip(state.messages);
         state.messages = messages.map(|(n, message)| cut(n, message)).collect();
@@ -80,7 +80,7 @@ mod truncated_messages {
     }
 
     #[test]
-    fn of_protobuf_are_counted() {
+    fn truncated_protobuf_messages_are_counted() {
         let mut book = Logbook::new();
         let definition = "message Message { repeated float q = 1; repeated float v = 2; }";
         let (channel, descriptor) = book.protobuf("/pose", definition);
@@ -92,7 +92,7 @@ mod truncated_messages {
     }
 
     #[test]
-    fn of_ros_are_counted() {
+    fn truncated_ros_messages_are_counted() {
         let types = Types::from([("test/Pose", "string name\nfloat64[4] q\nfloat32[3] v")]);
         let message = json!({ "name": "drone", "q": [1, 0, 0, 0], "v": [1, 2, 3] });
         for wire in Wire::ALL {
@@ -107,7 +107,7 @@ mod truncated_messages {
     }
 
     #[test]
-    fn that_are_all_there_is_yield_nothing() {
+    fn a_log_of_truncated_messages_alone_yields_nothing() {
         let mut state = topic("/drone/state", states(2, 1.0));
         state.messages[1].truncate(9);
         let message =
@@ -120,12 +120,12 @@ mod truncated_messages {
     }
 }
 
-mod a_field {
+mod fields {
     use super::*;
 
-    /// A definition of the type test/Pose in which each path is tried, and what is said of it.
+    /// Definitions of the type test/Pose, each with a path that is tried in it and the error.
     #[test]
-    fn that_is_not_there_is_told_with_the_reason() {
+    fn a_missing_field_is_reported_with_the_reason() {
         let types = Types::from([(
             "test/Pose",
             "string name\nfloat64[4] q\nfloat64[] any\nfloat32[3] v",
@@ -185,14 +185,14 @@ mod a_field {
                 .replace("its … field", "its field");
             log.refuses(&enrich(&format!("--depression 30 {attitude}")), 1, &message);
         }
-        // Its messages tell the length of a list without a fixed one, each its own.
+        // A list without a fixed length has a length in each message.
         let attitude = "--attitude /pose.any[2],/pose.v[0],/pose.v[1]:degrees";
         let message = "nothing can be derived … 0 of 50 usable, 50 without a field that is needed";
         ros2.refuses(&enrich(&format!("--depression 30 {attitude}")), 1, message);
     }
 
     #[test]
-    fn of_json_may_be_a_number_in_quotes() {
+    fn a_json_number_may_be_in_quotes() {
         let arguments = "--depression 30 --attitude /pose.q[0],/pose.q[1],/pose.q[2],/pose.q[3] --velocity /pose.v[0],/pose.v[1],/pose.v[2]:ned";
         let plain = folder(&[poses(|_, _| {})]);
         plain.reports(&enrich(arguments), 0);
@@ -228,7 +228,7 @@ mod a_field {
 }
 
 #[test]
-fn a_schema_that_does_not_parse_is_told_with_the_topic() {
+fn an_invalid_schema_is_reported_with_its_topic() {
     let message = vec![0, 1, 0, 0];
     for (encoding, schema_encoding, data, problem) in [
         (
@@ -303,10 +303,10 @@ fn a_schema_that_does_not_parse_is_told_with_the_topic() {
             _ => opaque.with_schema("test/Pose", schema_encoding, data),
         };
         let log = folder(&[opaque]);
-        let told = format!(
+        let message = format!(
             "attitude does not fit: /pose: {problem} … topics of the log: … /pose ({encoding} … --attitude"
         );
-        log.refuses(&enrich(POSE), 1, &told);
+        log.refuses(&enrich(POSE), 1, &message);
         let searched =
             format!("no usable telemetry … flat: … what /pose has is not known: {problem}");
         log.refuses(&enrich("--depression 30"), 1, &searched);
@@ -314,7 +314,7 @@ fn a_schema_that_does_not_parse_is_told_with_the_topic() {
 }
 
 #[test]
-fn a_schema_of_another_topic_that_does_not_parse_is_no_trouble() {
+fn an_invalid_schema_of_another_topic_does_not_matter() {
     let broken = topic("/broken", [json!({})]).with_schema("B", "jsonschema", "{");
     let foreign = Topic {
         encoding: "flatbuffer",
@@ -325,7 +325,7 @@ fn a_schema_of_another_topic_that_does_not_parse_is_no_trouble() {
 }
 
 #[test]
-fn profiles_that_fit_equally_well_are_told_and_how_to_choose() {
+fn profiles_that_fit_equally_well_are_named_with_how_to_choose() {
     let both = [
         pose("/mavros/local_position/pose"),
         twist("/mavros/local_position/velocity_local"),
@@ -364,14 +364,14 @@ fn a_quaternion_far_from_unit_length_is_dropped_and_one_near_it_normalised() {
         report["attitude"],
         json!({ "topic": "/pose", "used": COUNT, "dropped": {} })
     );
-    let said = |folder: &Folder| {
+    let numbers = |folder: &Folder| {
         let messages = support::stream(&folder.read(RESULT), false).into_iter();
         let derived = messages.filter(|message| support::DERIVED.contains(&message.topic.as_str()));
         derived
-            .flat_map(|message| support::message::Said::by(&message).numbers)
+            .flat_map(|message| support::message::DerivedMessage::decode(&message).numbers)
             .collect::<Vec<_>>()
     };
-    let pairs = said(&near).into_iter().zip(said(&plain));
+    let pairs = numbers(&near).into_iter().zip(numbers(&plain));
     assert!(pairs.clone().count() > 200);
     assert!(
         pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12),

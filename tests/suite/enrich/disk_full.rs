@@ -1,4 +1,4 @@
-//! A disk that is full, or a file that may not grow: a clear error, and everything as it was.
+//! A full disk, or a file that may not grow: a clear error, and everything as it was.
 #![cfg(unix)]
 
 use std::{collections::BTreeSet, fs};
@@ -16,10 +16,10 @@ const BLOCK: usize = 512;
 
 const UNLIMITED: usize = 1 << 30;
 
-/// What becomes of a run that finds no room.
+/// The outcome of a run that may run out of space.
 #[derive(Debug, PartialEq)]
 enum Outcome {
-    /// It found enough.
+    /// There was enough.
     Done,
     /// It failed and left everything as it was.
     Undone,
@@ -27,8 +27,8 @@ enum Outcome {
     Recovered,
 }
 
-/// Runs the program where no file may be longer than so many blocks. Unless that is enough it must fail, with the
-/// words that belong to the outcome.
+/// Runs the program where no file may be longer than that many blocks. Unless that is enough it must fail, with the
+/// error that belongs to the outcome.
 #[track_caller]
 fn run(folder: &Folder, limit: usize, arguments: &str, message: &str) -> Outcome {
     let before = folder.checksums();
@@ -52,7 +52,7 @@ fn run(folder: &Folder, limit: usize, arguments: &str, message: &str) -> Outcome
         "flight.mcap: moreover, the log could not be brought back to what it was (… File too large …) … when there \
          is room again, `flightcam restore` does that",
     );
-    // A log that is still whole is given back as one that is not.
+    // A log that is still intact is rolled back like one that is not.
     folder.run_limited(UNLIMITED, "inspect flight.mcap --depression 30");
     assert_eq!(
         folder.checksums(),
@@ -62,7 +62,7 @@ fn run(folder: &Folder, limit: usize, arguments: &str, message: &str) -> Outcome
     Outcome::Recovered
 }
 
-/// Limits in blocks: those at which so many bytes just find room, or just do not, and none at all.
+/// Limits in blocks: those at which that many bytes just fit or just do not, and none at all.
 fn limits(lengths: &[usize]) -> BTreeSet<usize> {
     let around = |length: &usize| [length / BLOCK, length.div_ceil(BLOCK)];
     lengths.iter().flat_map(around).chain([0]).collect()
@@ -78,7 +78,7 @@ fn logs() -> [[Vec<u8>; 2]; 2] {
 }
 
 #[test]
-fn a_new_file_that_finds_no_room_is_not_left_behind() {
+fn a_new_file_that_runs_out_of_space_is_removed() {
     for [log, result] in logs() {
         for (input, arguments, output, expected) in [
             (&log, "enrich flight.mcap --depression 30", RESULT, &result),
@@ -123,7 +123,7 @@ fn a_new_file_that_finds_no_room_is_not_left_behind() {
 }
 
 #[test]
-fn a_change_in_place_that_finds_no_room_is_undone() {
+fn a_change_in_place_that_runs_out_of_space_is_undone() {
     for [log, result] in logs() {
         for (before, arguments, after) in [
             (
@@ -183,7 +183,7 @@ fn journal_length(log: &[u8]) -> usize {
 }
 
 #[test]
-fn a_log_that_finds_no_room_to_be_brought_back_waits_for_it() {
+fn a_log_that_cannot_be_rolled_back_for_lack_of_space_keeps_its_journal() {
     let log = with_zeros_at_the_end();
     for arguments in ["inspect flight.mcap --depression 30", "restore flight.mcap"] {
         let folder = Folder::with(LOG, &log);
@@ -209,7 +209,7 @@ fn a_log_that_finds_no_room_to_be_brought_back_waits_for_it() {
 }
 
 #[test]
-fn a_stream_that_finds_no_room_is_said_to_be_cut_short() {
+fn a_stream_that_runs_out_of_space_is_an_error() {
     let folder = Folder::with_flight();
     let before = folder.contents();
     let (code, out, err) =
@@ -224,7 +224,7 @@ fn a_stream_that_finds_no_room_is_said_to_be_cut_short() {
 }
 
 /// Runs the program on disks of many sizes, up to a sufficient one, which hold only the log and what is made of it,
-/// and then looks at what lies there. How many runs found no room.
+/// and then looks at what is there. Returns how many runs ran out of space.
 fn on_small_disks(
     log: &[u8],
     arguments: &str,
@@ -265,7 +265,7 @@ fn on_small_disks(
 }
 
 #[test]
-fn a_disk_that_is_full_loses_nothing() {
+fn a_full_disk_loses_nothing() {
     let copied = "enrich flight.mcap --depression 30";
     let in_place = "enrich flight.mcap --depression 30 --in-place";
     let restore = "restore flight.mcap -o flight.original";

@@ -1,4 +1,4 @@
-//! What is on the disk before what: no kill shows that, only the order of system calls does.
+//! What is on the disk before what. Killing a run cannot show that; the order of its system calls does.
 #![cfg(target_os = "linux")]
 
 use std::{
@@ -11,11 +11,11 @@ use flightcam::log::{Access, Log, file::LogFile};
 
 use crate::support::{folder::*, *};
 
-/// The system calls by which files come to be what they are; not every machine has all of them.
+/// The system calls that change files; not every machine has all of them.
 const CALLS: &str = "trace=flock,write,pwrite64,?copy_file_range,?sendfile,ftruncate,fsync,?unlink,unlinkat,\
                      ?rename,?renameat,renameat2,?link,linkat";
 
-/// Runs the program under strace. `None`, with a word on why, where that cannot be had.
+/// Runs the program under strace. `None`, with a message, where that is not possible.
 fn run_traced(folder: &Folder, options: &[&str], arguments: &str) -> Option<Output> {
     let run = |options: &[&str], program: &[&str]| {
         let mut strace = Command::new("strace");
@@ -32,8 +32,8 @@ fn run_traced(folder: &Folder, options: &[&str], arguments: &str) -> Option<Outp
     Some(run(options, &program).expect("it runs"))
 }
 
-/// Runs the program and gives its calls that concern the folder, each with the file that it is for. Those that
-/// follow one of the same kind are left out. `None`, with a word on why, where no calls can be had.
+/// Runs the program and returns its calls that concern the folder, each with its file, without repetitions. `None`,
+/// with a message, where strace is not available.
 fn calls(folder: &Folder, arguments: &str) -> Option<Vec<String>> {
     let traced = tempfile::NamedTempFile::new().expect("a temporary file");
     let trace = traced.path().to_str().expect("a name");
@@ -56,10 +56,10 @@ fn call(line: &str, folder: &str) -> Option<String> {
         "unlink" | "unlinkat" => "remove",
         "flock" | "fsync" | "ftruncate" => call,
         _ if call.starts_with("rename") || call.starts_with("link") => "rename",
-        // The end of a call whose beginning was seen.
+        // The end of a call whose start was seen.
         _ => return None,
     };
-    // Of two files the second is what is written.
+    // Of two files the second is the one that is written.
     let (_, file) = arguments.rsplit_once(folder)?;
     let file = match file.trim_start_matches('/').split(['>', '"']).next()? {
         "" => "the folder",
@@ -83,7 +83,7 @@ const CHANGE: [&str; 10] = [
 ];
 
 #[test]
-fn the_old_end_is_on_the_disk_before_it_is_overwritten_and_until_the_new_one_is() {
+fn the_journal_is_durable_before_the_log_changes_and_kept_until_the_change_is() {
     let folder = Folder::with_flight();
     for arguments in [
         "enrich flight.mcap --depression 30 --in-place",
@@ -98,7 +98,7 @@ fn the_old_end_is_on_the_disk_before_it_is_overwritten_and_until_the_new_one_is(
 }
 
 #[test]
-fn a_log_that_was_brought_back_is_on_the_disk_before_the_journal_is_removed() {
+fn a_rolled_back_log_is_durable_before_its_journal_is_removed() {
     let folder = Folder::with_flight();
     let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
     let log = Log::read(file).expect("a log");
@@ -112,7 +112,7 @@ fn a_log_that_was_brought_back_is_on_the_disk_before_the_journal_is_removed() {
 }
 
 #[test]
-fn a_new_file_is_on_the_disk_before_it_has_its_name() {
+fn a_new_file_is_durable_before_it_gets_its_name() {
     let folder = Folder::with_flight();
     for arguments in [
         "enrich flight.mcap --depression 30",
@@ -133,7 +133,7 @@ fn a_new_file_is_on_the_disk_before_it_has_its_name() {
     }
 }
 
-/// The calls of a change in place that a disk may fail, and how many there are of each.
+/// The calls of a change in place that may fail, and how many there are of each.
 const FALLIBLE: [(&str, usize); 5] = [
     ("write", 1),
     ("pwrite64", 5),
@@ -143,7 +143,7 @@ const FALLIBLE: [(&str, usize); 5] = [
 ];
 
 #[test]
-fn a_disk_that_fails_once_leaves_the_log_as_it_was_or_as_it_was_to_be() {
+fn a_disk_error_leaves_the_log_unchanged_or_fully_changed() {
     let log = Shape::default().write();
     let (enriched, _) = enrich_bytes(&log).expect("a result");
     for (before, after, arguments) in [

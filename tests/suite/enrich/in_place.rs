@@ -1,4 +1,4 @@
-//! A log is changed in its own file: by one run at a time, to its end or not at all, wherever the file lies.
+//! A log is changed in its own file: by one run at a time, completely or not at all, wherever the file is.
 
 use std::{
     iter,
@@ -19,7 +19,7 @@ use flightcam::{
 
 use crate::support::{folder::*, shapes::*, *};
 
-/// What may be done to a log without another program's knowing.
+/// All that may be done to a log while another program has it.
 const COMMANDS: [&str; 5] = [
     "inspect flight.mcap",
     "enrich flight.mcap --depression 30",
@@ -32,7 +32,7 @@ const LOCKED: &str =
     "flight.mcap: another run of flightcam is using it … try again when that has ended";
 
 #[test]
-fn nobody_meets_a_change_that_is_under_way() {
+fn a_log_that_is_being_changed_is_refused_to_other_runs() {
     let folder = Arc::new(Folder::with(LOG, Shape::default().write()));
     let path = folder.path(LOG);
     let (saw, steps) = mpsc::channel();
@@ -76,11 +76,11 @@ fn a_log_is_not_changed_while_it_is_read() {
 }
 
 #[test]
-fn a_log_is_free_as_soon_as_its_run_has_ended() {
+fn a_log_is_unlocked_as_soon_as_its_run_has_ended() {
     let folder = Folder::with(LOG, Shape::default().write());
     for access in [Access::Read, Access::Change] {
         let file = LogFile::open(&folder.path(LOG), access).expect("it is opened");
-        // What another thread's new process has open for a moment.
+        // Another thread's new process may have it open for a moment.
         let inherited = file
             .as_file()
             .expect("a file")
@@ -92,12 +92,12 @@ fn a_log_is_free_as_soon_as_its_run_has_ended() {
     }
 }
 
-/// Is told how far a run is.
-type Told = Box<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>;
+/// What watches a run.
+type Watching = Box<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>;
 
-/// Lets a run on a log end at each moment at which it can, until it comes to its own end.
+/// Ends a run on a log at each moment at which it can be ended, until it comes to its own end.
 #[track_caller]
-fn end_at_every_moment(log: &[u8], run: impl Fn(&Path, Told) -> Result<(), Error>) -> Vec<u8> {
+fn end_at_every_moment(log: &[u8], run: impl Fn(&Path, Watching) -> Result<(), Error>) -> Vec<u8> {
     for moment in iter::successors(Some(0), |moment| Some(2 * moment + 1)) {
         let folder = Folder::with(LOG, log);
         let passed = AtomicU32::new(0);
@@ -124,7 +124,7 @@ fn end_at_every_moment(log: &[u8], run: impl Fn(&Path, Told) -> Result<(), Error
 }
 
 #[test]
-fn a_run_that_is_told_to_end_leaves_the_log_as_it_was() {
+fn a_run_that_is_interrupted_leaves_the_log_as_it_was() {
     for log in [long_log(), with_zeros_at_the_end()] {
         let enriched = end_at_every_moment(&log, |log, watch| {
             enrich(log, Output::InPlace, &options().watch(watch)).map(drop)
@@ -204,7 +204,7 @@ mod on_unix {
     }
 
     #[test]
-    fn who_ends_the_program_finds_everything_as_it_was() {
+    fn a_signal_ends_the_program_with_everything_as_it_was() {
         let (folder, log) = folder_with_long_log();
         let (enrich, in_place) = (
             "enrich flight.mcap --depression 30",
@@ -236,7 +236,7 @@ mod on_unix {
     }
 
     #[test]
-    fn who_ends_the_program_twice_need_not_wait() {
+    fn a_second_signal_ends_the_program_at_once() {
         let (folder, log) = folder_with_long_log();
         let program = start(
             &folder,
@@ -252,7 +252,7 @@ mod on_unix {
     }
 
     #[test]
-    fn a_link_stays_a_link_and_leads_to_the_result() {
+    fn a_symbolic_link_stays_a_link_to_the_result() {
         let log = Shape::default().write();
         let (enriched, _) = enrich_bytes(&log).expect("a result");
         let folder = Arc::new(Folder::with("logs/flight.mcap", &log));
@@ -285,7 +285,7 @@ mod on_unix {
                 .is_symlink()
         );
 
-        // What is cut short under one name is brought back under the other.
+        // A change interrupted under one name is rolled back under the other.
         let file = LogFile::open(&folder.path("link.mcap"), Access::Change).expect("it is opened");
         let opened = Log::read(file).expect("a log");
         opened
@@ -302,7 +302,7 @@ mod on_unix {
     }
 
     #[test]
-    fn all_names_of_a_file_are_those_of_the_result() {
+    fn every_hard_link_of_a_log_leads_to_the_result() {
         let log = Shape::default().write();
         let folder = Arc::new(Folder::with(LOG, &log));
         fs::hard_link(folder.path(LOG), folder.path("other.mcap")).expect("another name");
@@ -318,7 +318,7 @@ mod on_unix {
     }
 
     #[test]
-    fn a_log_on_a_disk_that_cannot_be_written_to_is_only_read() {
+    fn a_log_on_a_read_only_disk_can_be_read_but_not_changed() {
         let folder = Folder::with(LOG, Shape::default().write());
         folder.add("disk/.keep", "");
         let run = |arguments: &str, prepare: &str| {

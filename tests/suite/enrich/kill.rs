@@ -1,7 +1,7 @@
-//! A run that changes a log in place is killed: the next run finds the log whole, as it was or as it was to be.
+//! A run that changes a log in place is killed: the next run finds the log intact, as before or as after the change.
 //!
-//! The program has no hook for this. A test runs itself anew as a child, which calls the library and kills itself at
-//! the moment that it was told; or it kills the program from outside at any moment.
+//! The program has no hook for this. A test starts this test program again as a child process, which calls the library
+//! and kills itself at the moment it was given; or it kills flightcam from outside at any moment.
 #![cfg(unix)]
 
 use std::{
@@ -50,20 +50,20 @@ const CHANGES: [Change; 3] = [Change::Enrich, Change::Replace, Change::Restore];
 enum Moment {
     /// When it has come to a step.
     At(JournalStep),
-    /// When it has told so many times how far it is.
-    Told(u64),
-    /// When what the log has at some place is not any more what it was.
+    /// When it has reported its progress this many times.
+    Progress(u64),
+    /// When what the log has at some place has changed.
     Overwritten(u64),
 }
 
-/// A log, and all that becomes of it here.
+/// A log, and all that is made of it here.
 struct Logs {
     original: Vec<u8>,
     /// By the angle below the horizon.
     at_30: Vec<u8>,
     at_45: Vec<u8>,
     at_60: Vec<u8>,
-    /// How a run ends that has read all that it can.
+    /// The exit code of a run that has read all that it can.
     code: i32,
 }
 
@@ -105,12 +105,12 @@ impl Logs {
 
 // ---- The run that is killed ----
 
-/// The environment variable in which the child is told what to do.
+/// The environment variable that says what the child is to do.
 const ORDERS: &str = "FLIGHTCAM_KILLED_RUN";
 
-/// Not a test, but what the tests below run as a child.
+/// Not a test, but what the tests below run as a child process.
 #[test]
-fn the_child() {
+fn child_process() {
     let Ok(orders) = env::var(ORDERS) else {
         return;
     };
@@ -121,10 +121,10 @@ fn the_child() {
     if moment == "Overwritten" {
         die_when_overwritten(log, number);
     }
-    let (is_told, is_at) = (moment == "Told", moment == "At");
-    let told = AtomicU64::new(0);
+    let (is_progress, is_at) = (moment == "Progress", moment == "At");
+    let reports = AtomicU64::new(0);
     let watch = move |_| {
-        if is_told && told.fetch_add(1, Relaxed) + 1 == number {
+        if is_progress && reports.fetch_add(1, Relaxed) + 1 == number {
             die();
         }
         ControlFlow::Continue(())
@@ -180,11 +180,11 @@ fn run_child(log: &Path, change: impl fmt::Debug, moment: Moment) -> ExitStatus 
                 .position(|&s| s == step)
                 .expect("a step") as u64,
         ),
-        Moment::Told(times) => ("Told", times),
+        Moment::Progress(times) => ("Progress", times),
         Moment::Overwritten(place) => ("Overwritten", place),
     };
     let mut child = Command::new(env::current_exe().expect("this test"));
-    child.args(["--exact", "enrich::kill::the_child", "--nocapture"]);
+    child.args(["--exact", "enrich::kill::child_process", "--nocapture"]);
     child.env(
         ORDERS,
         format!("{change:?} {moment} {number} {}", log.display()),
@@ -242,8 +242,8 @@ impl fmt::Display for Tally {
     }
 }
 
-/// Looks at a log of which a change was killed, as the next run does that is `turn`'s. Whatever that is, it must find
-/// the log as it was before or after the change.
+/// Looks at a log whose change was killed, as the next run does, which takes turns. Whatever that is, it must find the
+/// log as it was before or after the change.
 #[track_caller]
 fn look(folder: &Folder, logs: &Logs, change: Change, turn: usize) -> Found {
     let (before, after) = (logs.before(change), logs.after(change));
@@ -346,7 +346,7 @@ fn a_run_that_is_killed_while_it_reads_loses_nothing() {
     for change in CHANGES {
         for times in [1, 2, 3, 5, 8] {
             let folder = Folder::with(LOG, logs.before(change));
-            let status = run_child(&folder.path(LOG), change, Moment::Told(times));
+            let status = run_child(&folder.path(LOG), change, Moment::Progress(times));
             let found = look(&folder, &logs, change, tally.killed as usize);
             tally.add(status, found);
         }
@@ -393,7 +393,7 @@ fn a_run_that_is_killed_while_it_writes_loses_nothing() {
 }
 
 #[test]
-fn a_run_that_is_killed_while_it_brings_a_log_back_loses_nothing() {
+fn a_run_that_is_killed_while_it_rolls_a_log_back_loses_nothing() {
     let mut tally = Tally::default();
     for logs in logs() {
         for change in CHANGES {

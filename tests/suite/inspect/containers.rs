@@ -1,4 +1,4 @@
-//! An inspection tells the same whatever holds the log, and opens no more of it than it must.
+//! An inspection is the same whatever the log's container, and opens no more of it than it must.
 
 use std::{collections::BTreeMap, io::Cursor};
 
@@ -13,8 +13,8 @@ use serde_json::Value;
 
 use crate::support::{inspection::*, topics::*, *};
 
-/// What an inspection tells of the log and not of its container.
-fn told(mut inspection: Inspection) -> Inspection {
+/// What an inspection says about the log and not about its container.
+fn without_container(mut inspection: Inspection) -> Inspection {
     inspection.bytes = 0;
     inspection.scanned = false;
     inspection
@@ -38,7 +38,10 @@ fn the_numbers_do_not_depend_on_the_container() {
         let inspection = inspected(&log);
         check_counts(&inspection, &log);
         assert_eq!(inspection.scanned, scanned);
-        assert_eq!(told(inspection), told(expected.clone()));
+        assert_eq!(
+            without_container(inspection),
+            without_container(expected.clone())
+        );
     }
     // Three messages more on another topic.
     let mixed = mixed_log();
@@ -71,7 +74,7 @@ fn chunks_without_telemetry_are_not_opened_where_there_is_a_summary() {
     let others: Vec<u64> = others.map(|index| index.chunk_start_offset).collect();
     assert!(others.len() >= 3);
     for start in others {
-        // Behind the chunk's opcode and length.
+        // After the chunk's opcode and length.
         log[start as usize + 9..][..60].fill(0xc5);
     }
     assert_eq!(inspected(&log), expected);
@@ -91,7 +94,7 @@ fn expected_channel(log: &[u8], topic: &str) -> u16 {
     message.expect("a message").channel.id
 }
 
-/// A log of messages: topic, number for its [`time`], payload. A topic with a mark behind it is the same topic on
+/// A log of messages: topic, number for its [`time`], payload. A topic followed by a mark is the same topic on
 /// another channel.
 fn recorded(
     options: WriteOptions,
@@ -122,7 +125,7 @@ fn recorded(
 }
 
 #[test]
-fn of_a_long_log_an_even_part_is_read_and_the_rest_is_counted() {
+fn a_long_log_is_read_in_even_parts_and_the_rest_counted() {
     const CHUNKS: u32 = 12;
     const FRAME: usize = 8 << 20;
     let options = WriteOptions::new()

@@ -1,6 +1,6 @@
-//! What `inspect` finds in a log, whatever says it and whatever holds it.
+//! What `inspect` finds in a log, whatever its messages and container.
 //!
-//! The numbers are compared with those that the official reader and the flights themselves give.
+//! The numbers are compared with those of the official reader and of the flights themselves.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ use crate::support::{
     *,
 };
 
-/// As the user asks for what is not found by itself.
+/// Options that name the profile unless it is found automatically.
 fn options_for(recording: &Recording) -> Options {
     let text = Profile::built_in_text(recording.profile).expect("built in");
     let profile = Profile::parse(text).expect("a profile");
@@ -87,7 +87,7 @@ fn a_flight_has_the_same_numbers_in_every_convention() {
 }
 
 #[test]
-fn real_logs_have_the_numbers_that_are_known_of_them() {
+fn real_logs_have_the_known_numbers() {
     let Some(folder) = real_logs() else { return };
     for (name, profile, attitudes, velocities, invalid) in [
         ("test_ulog", "px4-ulog", 131, 66, 0),
@@ -123,7 +123,7 @@ fn real_logs_have_the_numbers_that_are_known_of_them() {
 }
 
 #[test]
-fn what_would_be_written_is_in_the_encoding_that_enrich_chooses() {
+fn the_planned_encoding_is_the_one_that_enrich_chooses() {
     let encodings = [
         (
             Encoding::Protobuf,
@@ -165,7 +165,7 @@ fn what_would_be_written_is_in_the_encoding_that_enrich_chooses() {
 }
 
 #[test]
-fn the_camera_is_as_told_or_follows_the_gimbal_or_is_not_known() {
+fn the_camera_is_as_given_or_follows_the_gimbal_or_is_unknown() {
     let [with_gimbal, without] =
         ["px4-ros2", "flat"].map(|profile| flights::recording_for(profile).log());
     let camera = |log: &[u8], depression: Option<f64>, mount: Option<[f64; 3]>| {
@@ -216,7 +216,7 @@ fn states_without(count: i32, field: &'static str, whole: i32) -> impl Iterator<
 }
 
 #[test]
-fn what_could_not_be_written_is_told_as_enrich_would() {
+fn what_cannot_be_derived_is_reported_as_by_enrich() {
     for (states, planned, missing) in [
         (
             states_without(5, "vx", 0),
@@ -245,7 +245,7 @@ fn what_could_not_be_written_is_told_as_enrich_would() {
 }
 
 #[test]
-fn a_gimbal_that_has_no_usable_angle_is_one_that_no_camera_can_follow() {
+fn a_gimbal_without_a_usable_angle_cannot_be_followed() {
     let gimbal = topic("/gimbal", [json!({ "pitch": null })]);
     let log = log(&[topic("/state", states(5, 1.0)), gimbal]);
     let mut request = Request::default();

@@ -1,4 +1,4 @@
-//! The journal beside a log: whatever a power cut leaves of it or of the log, the log is had back.
+//! The journal next to a log: whatever a power cut leaves of either, the log is recovered.
 
 use std::{fs, path::PathBuf, sync::mpsc};
 
@@ -12,7 +12,7 @@ use crate::support::{folder::*, rewriting::with_attachment, shapes::*, *};
 
 const JOURNAL: &str = "flight.mcap.flightcam-journal";
 
-/// A folder with a log and a whole journal, as a change leaves them that was cut short before it touched the log.
+/// A folder with a log and a complete journal, as left by a change that was interrupted before it touched the log.
 /// And where the log's data ends.
 fn cut_short(log: &[u8]) -> (Folder, usize) {
     let folder = Folder::with(LOG, log);
@@ -24,7 +24,7 @@ fn cut_short(log: &[u8]) -> (Folder, usize) {
     (folder, log.data_end as usize)
 }
 
-/// Opens the log, which must be found as it was, and nothing beside it.
+/// Opens the log, which must be as it was, with nothing next to it.
 #[track_caller]
 fn is_found_whole(folder: &Folder, log: &[u8]) {
     let opened = Log::open(&folder.path(LOG)).expect("a log");
@@ -35,11 +35,11 @@ fn is_found_whole(folder: &Folder, log: &[u8]) {
 }
 
 #[test]
-fn a_journal_that_is_not_whole_is_removed_and_the_log_left_alone() {
+fn an_incomplete_journal_is_removed_and_the_log_left_unchanged() {
     let log = Shape::default().write();
     let (folder, data_end) = cut_short(&log);
     let journal = folder.read(JOURNAL);
-    // A log that nobody would take for what the journal has.
+    // A log that differs from what the journal has.
     let log = with_attachment(&log);
     let zeros = vec![0; journal.len()];
     let cut = (0..journal.len()).map(|length| journal[..length].to_vec());
@@ -68,7 +68,7 @@ proptest! {
     #![proptest_config(crate::support::cases(64))]
 
     #[test]
-    fn whatever_lies_over_the_logs_end_is_undone(
+    fn whatever_was_written_over_the_logs_end_is_undone(
         shape in any_shape(),
         is_torn: bool,
         is_enriched: bool,
@@ -96,7 +96,7 @@ proptest! {
 }
 
 #[test]
-fn every_command_brings_a_log_back_and_says_so() {
+fn every_command_rolls_a_log_back_and_says_so() {
     let log = Shape::default().write();
     let (enriched, _) = enrich_bytes(&log).expect("a result");
     let again = "enrich flight.mcap --depression 30";
@@ -179,7 +179,7 @@ fn the_journal_of_another_log_changes_nothing() {
 }
 
 #[test]
-fn a_journal_of_another_program_or_version_is_left_alone() {
+fn a_journal_of_another_program_or_version_is_left_unchanged() {
     let folder = Folder::with(LOG, Shape::default().write());
     let mut journal = b"flightcam journal 2\nof which nothing is known".to_vec();
     journal.extend_from_slice(&crc32fast::hash(&journal).to_le_bytes());
@@ -191,7 +191,7 @@ fn a_journal_of_another_program_or_version_is_left_alone() {
 }
 
 #[test]
-fn a_result_is_not_laid_where_a_journal_waits_for_its_log() {
+fn an_output_is_refused_where_a_journal_exists() {
     let (folder, _) = cut_short(&Shape::default().write());
     folder.add("other.mcap", Shape::default().write());
     let message = format!(
@@ -209,7 +209,7 @@ fn a_result_is_not_laid_where_a_journal_waits_for_its_log() {
 
 #[test]
 #[cfg(unix)]
-fn only_who_may_read_the_log_may_read_the_journal() {
+fn a_journal_has_the_permissions_of_its_log() {
     use std::os::unix::fs::PermissionsExt;
 
     let folder = Folder::with(LOG, Shape::default().write());
@@ -234,7 +234,7 @@ fn only_who_may_read_the_log_may_read_the_journal() {
 
 #[test]
 #[cfg(unix)]
-fn a_log_whose_name_leaves_no_room_for_a_journals_is_only_read() {
+fn a_log_whose_name_is_too_long_for_a_journal_is_only_read() {
     let name = format!("{}.mcap", "a".repeat(245));
     let folder = Folder::with(&name, Shape::default().write());
     let message = format!("{name}.flightcam-journal: cannot save the log's end");

@@ -1,5 +1,5 @@
-//! When messages were logged, as the log's indexes tell it: the same as reading them all, whatever the shape of the
-//! log and whatever is wrong with its indexes.
+//! The log times of messages, read from the log's indexes: the same as from reading all messages, whatever the shape
+//! of the log and whatever is wrong with its indexes.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -17,8 +17,8 @@ use crate::support::{shapes::any_shape, *};
 
 type Times = BTreeMap<u16, Vec<u64>>;
 
-/// What the log tells of some channels.
-fn told(log: &[u8], channel_ids: &[u16]) -> Result<Times, ReadError> {
+/// The times of some channels according to the log.
+fn times_of(log: &[u8], channel_ids: &[u16]) -> Result<Times, ReadError> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let input = folder.path().join("log.mcap");
     fs::write(&input, log).expect("the log is written");
@@ -43,19 +43,19 @@ proptest! {
     #![proptest_config(crate::support::cases(64))]
 
     #[test]
-    fn they_are_those_of_all_messages_whatever_the_shape(shape in any_shape(), which in 0..4usize) {
+    fn message_times_are_those_of_all_messages_whatever_the_shape(shape in any_shape(), which in 0..4usize) {
         let log = shape.write();
         let wanted: &[&[u16]] = &[&shape.channel_ids, &shape.channel_ids[..1], &shape.channel_ids[1..], &[]];
         let mut expected = counted(&log, shape.channel_ids);
         expected.retain(|id, _| wanted[which].contains(id));
-        prop_assert_eq!(told(&log, wanted[which]).expect("a readable log"), expected);
+        prop_assert_eq!(times_of(&log, wanted[which]).expect("a readable log"), expected);
     }
 }
 
 #[test]
 fn messages_in_and_outside_chunks_count_alike() {
     let log = mixed_log();
-    let times = told(&log, &[1, 2]).expect("a readable log");
+    let times = times_of(&log, &[1, 2]).expect("a readable log");
     assert_eq!(times, counted(&log, [1, 2]));
     assert_eq!(times[&2].len() as u64, MESSAGES + 3);
 }
@@ -70,7 +70,7 @@ fn chunks_with_indexes_are_not_opened() {
         }
     }
     parts.data_section_crc = 0;
-    assert_eq!(told(&parts.join(), &[1, 2]).expect("indexes"), expected);
+    assert_eq!(times_of(&parts.join(), &[1, 2]).expect("indexes"), expected);
 }
 
 /// Changes every message index of the telemetry in a log.
@@ -95,7 +95,7 @@ fn falsified(mut index: MessageIndex) -> MessageIndex {
 }
 
 #[test]
-fn an_index_that_says_something_else_than_it_should_is_not_believed() {
+fn an_inconsistent_message_index_is_not_believed() {
     let of_another_channel = |body: &mut Vec<u8>, mut index: MessageIndex| {
         index.channel_id = 2;
         *body = serialize(&falsified(index));
@@ -116,12 +116,12 @@ fn an_index_that_says_something_else_than_it_should_is_not_believed() {
         let shape = Shape::default();
         let log = with_indexes(&shape, spoil).join();
         let expected = counted(&shape.write(), [1, 2]);
-        assert_eq!(told(&log, &[1, 2]).expect("a readable log"), expected);
+        assert_eq!(times_of(&log, &[1, 2]).expect("a readable log"), expected);
     }
 }
 
 #[test]
-fn a_record_that_is_no_message_index_is_not_believed() {
+fn a_record_that_is_not_a_message_index_is_not_believed() {
     let expected = counted(&Shape::default().write(), [1, 2]);
     let mut parts = Parts::of(&Shape::default().write());
     for (opcode, body) in &mut parts.data {
@@ -131,12 +131,12 @@ fn a_record_that_is_no_message_index_is_not_believed() {
         }
     }
     parts.data_section_crc = 0;
-    assert_eq!(told(&parts.join(), &[1, 2]).expect("chunks"), expected);
+    assert_eq!(times_of(&parts.join(), &[1, 2]).expect("chunks"), expected);
 }
 
-/// The record's own length is hostile; the summary tells where its neighbours lie.
+/// The record's own length is hostile; the summary says where its neighbours are.
 #[test]
-fn no_more_is_read_of_an_index_than_there_are_messages() {
+fn a_message_index_longer_than_its_messages_is_not_read_to_its_end() {
     let log = Shape::default().write();
     let expected = counted(&log, [1, 2]);
     let mut hostile = log.clone();
@@ -149,7 +149,7 @@ fn no_more_is_read_of_an_index_than_there_are_messages() {
             }
         }
     }
-    assert_eq!(told(&hostile, &[1, 2]).expect("indexes"), expected);
+    assert_eq!(times_of(&hostile, &[1, 2]).expect("indexes"), expected);
 }
 
 /// A chunk's index names one place for each channel, but its messages may be indexed in two.
@@ -175,8 +175,8 @@ fn an_index_in_two_parts_is_read_from_the_chunk() {
             push_record(&mut log, *opcode, &serialize(&part));
         }
     }
-    // It breaks off behind an index, so that a longer one would reach beyond its end.
-    assert_eq!(told(&log, &[1, 2]).expect("chunks"), expected);
+    // It breaks off after an index, so that a longer one would reach beyond its end.
+    assert_eq!(times_of(&log, &[1, 2]).expect("chunks"), expected);
 }
 
 #[test]
@@ -189,9 +189,9 @@ fn a_chunk_that_is_needed_and_damaged_is_an_error() {
             body[middle..].fill(0xc5);
         }
     }
-    let error = told(&parts.join(), &[1]).expect_err("neither index nor chunk");
+    let error = times_of(&parts.join(), &[1]).expect_err("neither index nor chunk");
     assert!(matches!(error, ReadError::Damaged { .. }), "{error}");
-    let others = told(&parts.join(), &[2]).expect("indexes");
+    let others = times_of(&parts.join(), &[2]).expect("indexes");
     assert_eq!(others, counted_of_other(&shape));
 }
 

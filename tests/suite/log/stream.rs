@@ -1,5 +1,5 @@
-//! A log that comes through a pipe is passed on byte for byte, and is known then as if it lay in a file, in memory
-//! and room that do not depend on its length.
+//! A log from a pipe is passed on byte for byte and understood as if it were a file, with memory and disk space that
+//! do not depend on its length.
 
 use std::{
     cell::RefCell,
@@ -30,12 +30,12 @@ proptest! {
     #![proptest_config(crate::support::cases(192))]
 
     #[test]
-    fn a_log_of_any_shape_is_known_as_from_a_file(shape in any_shape(), most in 1..100_000usize) {
+    fn a_streamed_log_of_any_shape_is_understood_as_from_a_file(shape in any_shape(), most in 1..100_000usize) {
         check(&shape.write(), &Request::default(), most);
     }
 
     #[test]
-    fn a_log_that_breaks_off_anywhere_is_known_as_from_a_file(
+    fn a_truncated_streamed_log_is_understood_as_from_a_file(
         shape in any_shape(),
         at in 0.0..1.0,
         zeros in prop::sample::select(vec![0, 0, 7, 8, 9, 100_000]),
@@ -48,7 +48,7 @@ proptest! {
     }
 
     #[test]
-    fn damage_anywhere_leads_to_no_panic(
+    fn damage_anywhere_causes_no_panic(
         shape in any_shape(),
         damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
         lengths in prop::collection::vec((any::<prop::sample::Index>(), any::<u64>(), 0..64u32), 0..2),
@@ -58,7 +58,7 @@ proptest! {
             let at = at.index(log.len());
             log[at] = byte;
         }
-        // Where a length may be, one of any magnitude.
+        // A length of any magnitude, where there may be one.
         for (at, length, shift) in lengths {
             let at = at.index(log.len() - 8);
             log[at..at + 8].copy_from_slice(&(length >> shift).to_le_bytes());
@@ -89,7 +89,7 @@ fn a_log_may_come_byte_by_byte() {
 }
 
 #[test]
-fn what_is_no_log_is_refused_as_in_a_file_and_nothing_is_passed_on() {
+fn a_stream_that_is_not_a_log_is_refused_as_a_file_and_not_passed_on() {
     let log = Shape::default().write();
     let header_end = mcap::MAGIC.len() + 9 + 8 + "mcap-rs-".len();
     let other_record = [mcap::MAGIC, &[op::SCHEMA, 0, 0, 0, 0, 0, 0, 0, 0]].concat();
@@ -114,8 +114,8 @@ fn what_is_no_log_is_refused_as_in_a_file_and_nothing_is_passed_on() {
 
 // ---- Time ----
 
-/// An input and an output that share what was passed on. The input gives a record at a time, and complains where
-/// those before have not reached the output.
+/// An input and an output that share what was passed on. The input gives one record at a time, and fails if the
+/// previous ones have not reached the output.
 struct Live {
     records: Vec<Vec<u8>>,
     given: usize,
@@ -187,7 +187,7 @@ fn each_record_is_passed_on_before_the_next_one_comes() {
     }
 }
 
-// ---- Room ----
+// ---- Disk space ----
 
 /// A record without its body.
 fn frame(opcode: u8, length: usize) -> Vec<u8> {
@@ -196,7 +196,7 @@ fn frame(opcode: u8, length: usize) -> Vec<u8> {
     frame
 }
 
-/// A log with more records in its midst, among the telemetry.
+/// A log with these records in the middle of its telemetry.
 fn with_records(records: Vec<(u8, Vec<u8>)>) -> Vec<u8> {
     let mut parts = Parts::of(&Shape::default().write());
     let middle = parts.data.len() / 2;
@@ -222,7 +222,7 @@ fn attachment(length: usize) -> Vec<u8> {
     body
 }
 
-/// The room that the parts of a log take that are kept, on systems that tell.
+/// The disk space of the parts of a log that are kept, on systems that report it.
 #[cfg(unix)]
 fn room(log: &Log) -> usize {
     let metadata = (log.file.as_file())
@@ -247,7 +247,7 @@ fn a_long_attachment_is_passed_on_and_not_kept() {
 }
 
 #[test]
-fn a_long_record_that_breaks_off_is_held_back() {
+fn a_truncated_long_record_is_held_back() {
     let whole = with_records(vec![(op::ATTACHMENT, attachment(20 * MEBIBYTE))]);
     for at in [whole.len() / 2, whole.len() / 3 * 2] {
         let streamed = check(&whole[..at], &Request::default(), 1_000_000);
@@ -258,7 +258,7 @@ fn a_long_record_that_breaks_off_is_held_back() {
 }
 
 #[test]
-fn a_metadata_record_is_kept_wherever_it_lies() {
+fn a_metadata_record_is_kept_wherever_it_is() {
     for length in [17 * MEBIBYTE, 10] {
         let metadata = mcap::records::Metadata {
             name: "parameters".into(),
@@ -283,9 +283,9 @@ fn what_is_held_back_may_begin_with_a_long_record() {
     }
 }
 
-/// A log that is not closed, whose footer leads to what looks like the data section's end, in an attachment.
+/// A log that is not closed, whose footer points into an attachment, to what looks like the data section's end.
 #[test]
-fn a_footer_that_leads_before_the_end_of_the_data_is_not_believed() {
+fn a_footer_that_points_into_the_data_is_not_believed() {
     let mut body = attachment(0);
     push_record(&mut body, op::DATA_END, &[0; 4]);
     let log = with_records(vec![(op::ATTACHMENT, body.clone())]);
@@ -323,8 +323,8 @@ fn a_long_message_outside_chunks_is_followed_like_any_other() {
     assert!(followed.expect("the message").ends_with(&payload));
 }
 
-/// Chunks longer than what is held in memory, with message indexes and without, the first right before an
-/// attachment that is long, too.
+/// Chunks longer than what is kept in memory, with message indexes and without, the first one right before an
+/// attachment that is long too.
 #[test]
 fn long_chunks_are_kept_where_they_are_not_indexed() {
     for is_indexed in [true, false] {
@@ -368,13 +368,13 @@ fn long_chunks_are_kept_where_they_are_not_indexed() {
             true => assert!(room < MEBIBYTE, "{room}"),
             false => assert!(cfg!(not(unix)) || room < 41 * MEBIBYTE, "{room}"),
         }
-        // As if the recorder had been stopped right behind the last chunk.
+        // As if the recorder had been stopped right after the last chunk.
         let data_end = streamed.original.data_end as usize;
         check(&log[..data_end], &Request::default(), 1_000_000);
     }
 }
 
-/// A stream of a log that is too long to lie in memory.
+/// A stream of a log that is too long to be held in memory.
 fn endless(frames: u64) -> impl Read {
     let log = Shape::with(|options| options.use_chunks(false)).write();
     let end = Records::new(&log[8..log.len() - 8])
@@ -411,7 +411,7 @@ fn endless(frames: u64) -> impl Read {
 }
 
 #[test]
-fn memory_and_room_do_not_grow_with_the_log() {
+fn memory_and_disk_space_do_not_grow_with_the_log() {
     let mut filter = StreamFilter::new(&Request::default());
     let mut streamed = None;
     let allocations = allocation_counter::measure(|| {
@@ -459,7 +459,7 @@ impl Write for Failing {
 }
 
 #[test]
-fn an_output_whose_reader_has_gone_away_is_an_error_that_names_it() {
+fn a_closed_output_is_an_error_that_names_it() {
     let log = Shape::default().write();
     let input = Named {
         name: Path::new("the input"),
@@ -478,7 +478,7 @@ fn an_output_whose_reader_has_gone_away_is_an_error_that_names_it() {
 }
 
 #[test]
-fn an_input_that_fails_is_an_error_and_no_end() {
+fn an_input_that_fails_is_an_error_and_not_the_end_of_the_log() {
     let log = Shape::default().write();
     let input = log[..log.len() / 2].chain(Failing(ErrorKind::ConnectionReset));
     let (_, streamed) = pipe(Path::new("the input"), input, |_| true);

@@ -1,4 +1,4 @@
-//! The same derived values in each encoding: the same numbers, schemas that are true, and the right choice.
+//! The same derived values in each encoding: the same numbers, true schemas, and the right choice.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -21,7 +21,7 @@ use mcap::{
 use nalgebra::Vector3;
 use prost_reflect::DescriptorPool;
 
-use crate::support::{message::Said, *};
+use crate::support::{message::DerivedMessage, *};
 
 fn asking_for(encoding: Encoding) -> Options {
     options().encoding(EncodingChoice::Given(encoding))
@@ -35,9 +35,12 @@ fn enriched(log: &[u8], encoding: Encoding) -> (Vec<u8>, Report) {
     enrich_bytes_with(log, &asking_for(encoding)).expect("a result")
 }
 
-/// What the derived messages of a result say.
-fn said(log: &[u8], result: &[u8]) -> Vec<Said> {
-    judge(log, result, false).iter().map(Said::by).collect()
+/// The derived messages of a result.
+fn derived_messages(log: &[u8], result: &[u8]) -> Vec<DerivedMessage> {
+    judge(log, result, false)
+        .iter()
+        .map(DerivedMessage::decode)
+        .collect()
 }
 
 fn summary(log: &[u8]) -> Summary {
@@ -55,7 +58,7 @@ fn derived_channels(log: &[u8]) -> Vec<std::sync::Arc<mcap::Channel<'static>>> {
         .collect()
 }
 
-/// What the result's own record says of how it was made.
+/// The result's own record of how it was made.
 fn facts(log: &[u8]) -> BTreeMap<String, String> {
     let summary = summary(log);
     let mut indexes = summary.metadata_indexes.iter();
@@ -65,35 +68,35 @@ fn facts(log: &[u8]) -> BTreeMap<String, String> {
 }
 
 #[test]
-fn every_encoding_says_the_same_numbers_and_times() {
+fn every_encoding_has_the_same_numbers_and_times() {
     let log = survey_flight();
     let [protobuf, json, ros2] = Encoding::ALL.map(|encoding| {
         let (result, report) = enriched(&log, encoding);
         assert_eq!(report.encoding.name, encoding);
-        said(&log, &result)
+        derived_messages(&log, &result)
     });
     assert_eq!(protobuf.len(), 3309 + 3310);
-    for said in &protobuf {
-        let is_velocity = said.topic == "/camera/velocity";
-        assert_eq!(said.stamp, said.log_time);
-        assert_eq!(said.frame_id == "camera", is_velocity);
-        assert_eq!(said.frame_id == "previous_camera", !is_velocity);
-        assert_eq!(said.interval.is_none(), is_velocity);
+    for message in &protobuf {
+        let is_velocity = message.topic == "/camera/velocity";
+        assert_eq!(message.stamp, message.log_time);
+        assert_eq!(message.frame_id == "camera", is_velocity);
+        assert_eq!(message.frame_id == "previous_camera", !is_velocity);
+        assert_eq!(message.interval.is_none(), is_velocity);
     }
-    let bits = |said: &Said| said.numbers.map(f64::to_bits);
+    let bits = |message: &DerivedMessage| message.numbers.map(f64::to_bits);
     for (others, keep_the_interval) in [(json, true), (ros2, false)] {
         assert_eq!(others.len(), protobuf.len());
-        for (other, said) in others.iter().zip(&protobuf) {
-            let mut expected = said.clone();
-            expected.interval = said.interval.filter(|_| keep_the_interval);
+        for (other, message) in others.iter().zip(&protobuf) {
+            let mut expected = message.clone();
+            expected.interval = message.interval.filter(|_| keep_the_interval);
             assert_eq!(*other, expected);
-            assert_eq!(bits(other), bits(said), "{other:?}, not {said:?}");
+            assert_eq!(bits(other), bits(message), "{other:?}, not {message:?}");
         }
     }
 }
 
 #[test]
-fn the_encoding_is_the_telemetrys_unless_told() {
+fn the_encoding_is_the_telemetrys_by_default() {
     let telemetry = |encoding: &str| Channel {
         id: 1,
         schema_id: 0,
@@ -216,7 +219,7 @@ fn in_ros2(derived: &Derived) -> Vec<u8> {
 }
 
 #[test]
-fn a_ros2_message_is_laid_out_as_cdr_says() {
+fn a_ros2_message_is_laid_out_as_cdr() {
     let velocity = Value::CameraVelocity(Vector3::new(1.0, -2.0, 0.5));
     let mut expected = vec![0, 1, 0, 0]; // CDR, little-endian
     expected.extend([2, 0, 0, 0, 3, 0, 0, 0]); // 2 s and 3 ns
@@ -245,7 +248,7 @@ fn a_ros2_message_is_laid_out_as_cdr_says() {
 }
 
 #[test]
-fn a_ros2_stamp_stays_at_the_last_that_there_is() {
+fn a_ros2_stamp_is_clamped_to_the_last_possible_one() {
     let velocity = Value::CameraVelocity(Vector3::zeros());
     let last = 2_147_483_647_999_999_999;
     for (log_time, seconds, nanoseconds) in [
@@ -274,7 +277,7 @@ fn flat_log(start: u64) -> Vec<u8> {
     log_with(WriteOptions::new(), start, |_| BTreeMap::new())
 }
 
-/// The same, with channel metadata, after having written whatever else into the log.
+/// The same, with channel metadata, after `write` has written into the log.
 fn log_with(
     options: WriteOptions,
     start: u64,
@@ -334,7 +337,7 @@ fn ros2_channels_share_their_schema_and_have_the_telemetrys_quality_of_service()
 }
 
 #[test]
-fn the_ros2_definition_holds_every_type_that_it_refers_to() {
+fn the_ros2_definition_has_every_type_that_it_refers_to() {
     let schema = Encoding::Ros2.schema(Quantity::CameraVelocity);
     let text = std::str::from_utf8(schema.data).expect("UTF-8");
     assert!(!text.contains('\r'));
@@ -370,7 +373,7 @@ fn the_ros2_definition_holds_every_type_that_it_refers_to() {
 }
 
 #[test]
-fn a_schema_that_the_log_has_is_not_written_anew() {
+fn a_schema_that_the_log_has_is_not_written_again() {
     let same = Encoding::Ros2.schema(Quantity::CameraVelocity);
     for (encoding, data, schemas) in [
         ("ros2msg", same.data, 1),
@@ -386,7 +389,7 @@ fn a_schema_that_the_log_has_is_not_written_anew() {
             metadata
         });
         let (result, _) = enriched(&log, Encoding::Ros2);
-        assert_eq!(said(&log, &result).len(), 3);
+        assert_eq!(derived_messages(&log, &result).len(), 3);
         let summary = summary(&result);
         assert_eq!(summary.schemas.len(), schemas);
         assert_eq!(
@@ -397,7 +400,7 @@ fn a_schema_that_the_log_has_is_not_written_anew() {
 }
 
 #[test]
-fn what_ros2_tools_refuse_is_noted_when_it_was_asked_for() {
+fn a_requested_encoding_that_ros2_tools_refuse_is_noted() {
     let log = flat_log(0);
     for (encoding, expected) in [
         (Encoding::Protobuf, None),
@@ -414,7 +417,7 @@ fn what_ros2_tools_refuse_is_noted_when_it_was_asked_for() {
 }
 
 #[test]
-fn a_real_ros2_log_stays_one_that_ros2_tools_read_unless_asked_otherwise() {
+fn a_real_ros2_log_stays_readable_by_ros2_tools_by_default() {
     let Some(folder) = real_logs() else { return };
     let log = fs::read(folder.join("test_ulog.ros2.mcap")).expect("the log");
     let (_, report) = enrich_bytes(&log).expect("a result");
@@ -459,7 +462,7 @@ fn a_result_in_or_from_the_folder_of_a_ros2_bag_says_how_to_list_it() {
 }
 
 #[test]
-fn a_metadata_yaml_that_is_no_text_file_is_left_alone() {
+fn a_metadata_yaml_that_is_not_a_text_file_is_ignored() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::create_dir(folder.path().join("metadata.yaml")).expect("a folder of that name");
     let input = folder.path().join("log.mcap");

@@ -137,7 +137,7 @@ pub fn of_every_publisher() -> impl Iterator<Item = Input> {
         .map(|input| input.with_arguments(&arguments))
     };
     let together = || {
-        let mut log = flights::logbook::Logbook::new();
+        let mut log = flights::recorder::Recorder::new();
         for (number, recording) in (0..).zip(flights::recordings()) {
             log.rename(move |topic| format!("/drone{}{topic}", number % 3));
             recording.flying(Flight::beginning).write(&mut log);

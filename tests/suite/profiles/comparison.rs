@@ -1,4 +1,4 @@
-//! What flightcam makes of a recorded flight, against what it must make of it.
+//! What flightcam derives from a recorded flight, against what it must derive.
 
 pub mod mutation;
 
@@ -60,7 +60,7 @@ pub fn read(log: &[u8], request: &Request) -> Result<Readings, String> {
     })
 }
 
-/// With this profile, or with the one that is chosen by itself.
+/// With this profile, or with the one that is chosen automatically.
 pub fn request(profile: Option<Profile>) -> Request {
     Request {
         profile: profile.map_or(ProfileChoice::Automatic, |profile| {
@@ -101,7 +101,7 @@ impl Motion {
         motion
     }
 
-    /// As the design's formulas say it for a camera on a gimbal, `R_ned_camera = R_ned_reference R_reference_camera`.
+    /// By the design's formulas for a camera on a gimbal, `R_ned_camera = R_ned_reference R_reference_camera`.
     pub fn of_gimbal(flight: &Flight, reference: Reference) -> Self {
         let camera = |time: u64| -> Matrix3<f64> {
             let reference = match reference {
@@ -231,7 +231,7 @@ impl Expectation {
             .collect()
     }
 
-    /// Complains unless everything comes out as it must.
+    /// Fails unless every result is as expected.
     pub fn check(&self, name: &str, samples: &[Sample]) {
         for Difference {
             what,
@@ -243,7 +243,7 @@ impl Expectation {
         }
     }
 
-    /// Whether something comes out clearly wrong.
+    /// Whether some result is clearly wrong.
     pub fn is_missed(&self, samples: &[Sample]) -> bool {
         let differences = self.differences(samples);
         differences

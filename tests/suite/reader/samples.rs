@@ -1,10 +1,10 @@
-//! How logs say it: schemas of all kinds, fields in messages, and which samples are used.
+//! Samples from messages: schemas of all kinds, fields in messages, and which samples are used.
 
 use flightcam::{sample::Kind, source::profile::Profile};
 use prost::Message;
 use prost_reflect::DynamicMessage;
 
-use crate::support::{logbook::*, message::Said, small_logs::*};
+use crate::support::{logbook::*, message::DerivedMessage, small_logs::*};
 
 #[test]
 fn samples_come_in_time_order_whatever_their_order_in_the_file() {
@@ -22,12 +22,12 @@ fn samples_come_in_time_order_whatever_their_order_in_the_file() {
 }
 
 #[test]
-fn of_samples_at_the_same_time_the_first_in_the_file_counts() {
+fn the_first_in_the_file_of_simultaneous_samples_is_used() {
     let mut log = Logbook::new();
     let channel = log.json("/state");
     log.put_flat(channel, 0, "0", "1");
     for yaw in ["0.1", "0.5", "0.9"] {
-        // Far apart in the file, so that they lie in different chunks.
+        // Far apart in the file, so that they are in different chunks.
         log.put_flat(channel, 20, yaw, "1");
         for time in 100..120 {
             log.put_flat(channel, time, yaw, "1");
@@ -46,7 +46,7 @@ fn of_samples_at_the_same_time_the_first_in_the_file_counts() {
 }
 
 #[test]
-fn of_samples_at_the_same_time_the_first_in_the_file_counts_though_its_chunk_starts_later() {
+fn the_first_in_the_file_of_simultaneous_samples_is_used_though_its_chunk_starts_later() {
     let mut log = Logbook::new();
     let channel = log.json("/state");
     log.put_flat(channel, 20, "0.1", "1");
@@ -70,7 +70,7 @@ fn derived_messages_have_the_times_of_their_samples() {
     let rotation = derived
         .iter()
         .find(|message| message.topic == "/camera/relative_rpy");
-    let interval = Said::by(rotation.expect("a rotation")).interval;
+    let interval = DerivedMessage::decode(rotation.expect("a rotation")).interval;
     assert_eq!(interval, Some(20_000_000));
 }
 
@@ -224,7 +224,7 @@ fn lists_may_be_packed_or_not_and_messages_may_come_in_parts() {
 }
 
 #[test]
-fn a_profile_that_asks_for_what_a_schema_lacks_names_it_and_what_there_is() {
+fn a_field_that_the_schema_lacks_is_an_error_that_names_it_and_what_there_is() {
     for (wrong, essential) in [
         (("pose.q", "pose.quat"), ["pose.quat", "speed, ok, q"]),
         (
@@ -342,7 +342,7 @@ fn a_json_field_may_be_one_that_the_schema_leaves_open_or_the_first_message_lack
 }
 
 #[test]
-fn a_json_list_within_a_list_is_no_list_of_numbers() {
+fn a_json_list_within_a_list_is_not_a_list_of_numbers() {
     let profile = r#"
         name = "lists"
         [attitude]
@@ -365,7 +365,7 @@ fn a_json_list_within_a_list_is_no_list_of_numbers() {
 }
 
 #[test]
-fn two_topics_that_fit_equally_well_are_not_guessed_between() {
+fn neither_of_two_topics_that_fit_equally_well_is_guessed() {
     let mut log = Logbook::new();
     for topic in ["/drone1/state", "/drone2/state"] {
         let channel = log.json(topic);
@@ -401,7 +401,7 @@ fn one_topic_may_be_named_for_both_roles() {
 }
 
 #[test]
-fn many_chunks_that_lie_within_one_another_are_put_in_order() {
+fn samples_of_many_overlapping_chunks_are_put_in_order() {
     let mut log = Logbook::new();
     let channel = log.json("/state");
     let count = 2000;

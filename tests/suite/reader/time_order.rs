@@ -23,8 +23,8 @@ fn long_flight() -> Vec<Message> {
     flight(2000, 12_000)
 }
 
-/// In any order, at times of which many are equal, with a frame here and there. So many frames of such a length make
-/// the log a long one or a short one.
+/// In any order, at times of which many are equal, with a frame here and there. The length of the frames makes the log
+/// a long one or a short one.
 fn any_messages() -> impl Strategy<Value = Vec<Message>> {
     let contents = [
         Content::Attitude,
@@ -63,7 +63,7 @@ proptest! {
     #![proptest_config(crate::support::cases(48))]
 
     #[test]
-    fn they_are_all_samples_sorted(
+    fn all_samples_come_sorted_by_time(
         messages in any_messages(),
         shape in any_shape(),
         by_log_time in any::<bool>(),
@@ -85,7 +85,7 @@ proptest! {
 // ---- Long logs ----
 
 #[test]
-fn what_was_read_grows_to_the_total() {
+fn progress_grows_to_the_total() {
     let log = write(chunks_of(100_000, Some(Compression::Zstd)), &long_flight());
     let folder = Folder::with(LOG, log);
     let log = Log::open(&folder.path(LOG)).expect("a log");
@@ -107,7 +107,7 @@ fn what_was_read_grows_to_the_total() {
 }
 
 #[test]
-fn all_threads_notice_what_is_suspicious() {
+fn every_thread_notices_suspicious_values() {
     let suspicion = |messages| {
         let log = write(chunks_of(100_000, None), &flight(messages, 4000));
         let (_, outcome) = read(&log, PROFILE);
@@ -122,7 +122,7 @@ fn all_threads_notice_what_is_suspicious() {
 }
 
 #[test]
-fn of_several_damaged_chunks_the_first_is_the_error_every_time() {
+fn the_first_of_several_damaged_chunks_is_always_the_error() {
     let messages = long_flight();
     let mut log = write(chunks_of(100_000, Some(Compression::Zstd)), &messages);
     let chunks = chunk_indexes(&log);
@@ -146,7 +146,7 @@ fn of_several_damaged_chunks_the_first_is_the_error_every_time() {
 }
 
 #[test]
-fn whoever_takes_the_samples_may_stop() {
+fn reading_stops_when_the_consumer_fails() {
     for messages in [long_flight(), flight(2000, 0)] {
         let log = write(chunks_of(100_000, None), &messages);
         for stop in [1, 500, 1000] {

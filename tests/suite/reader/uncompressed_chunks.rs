@@ -1,4 +1,4 @@
-//! Of uncompressed chunks only the telemetry is read, as far as their message indexes tell the truth.
+//! Of uncompressed chunks only the telemetry is read, as far as their message indexes are true.
 
 use flightcam::log::{
     Log,
@@ -15,8 +15,8 @@ use crate::support::{
     numbered::*,
 };
 
-/// A log of which a small part is telemetry, in uncompressed chunks of a few messages each. Between some of them lie
-/// long frames, between some short ones, and behind the last there is little else.
+/// A log of which a small part is telemetry, in uncompressed chunks of a few messages each. Between some of them are
+/// long frames, between some short ones, and after the last there is little else.
 fn uncompressed_flight() -> (Vec<Message>, Vec<u8>) {
     let mut messages = flight(239, 30_000);
     for frame in messages.iter_mut().skip(3).step_by(8) {
@@ -27,7 +27,7 @@ fn uncompressed_flight() -> (Vec<Message>, Vec<u8>) {
     (messages, log)
 }
 
-/// Where the records lie of a channel's messages in a chunk.
+/// Where the records of a channel's messages are in a chunk.
 fn places(log: &[u8], chunk: &ChunkIndex, content: Content) -> Vec<usize> {
     let index = chunk.message_index_offsets[&content.channel_id()] as usize;
     let length = u64::from_le_bytes(log[index + 1..][..8].try_into().expect("a length"));
@@ -40,7 +40,7 @@ fn places(log: &[u8], chunk: &ChunkIndex, content: Content) -> Vec<usize> {
         .collect()
 }
 
-/// The bytes of the n-th entry of a message index that lies at the start of `record`: a time and an offset.
+/// The bytes of the n-th entry of a message index at the start of `record`: a time and an offset.
 fn entry(record: &mut [u8], n: usize) -> &mut [u8] {
     &mut record[9 + 2 + 4 + 16 * n..][..16]
 }
@@ -65,7 +65,7 @@ fn only_the_telemetry_of_an_uncompressed_chunk_is_read() {
 }
 
 #[test]
-fn a_chunk_that_is_telemetry_mostly_is_read_whole_and_checked() {
+fn a_chunk_of_mostly_telemetry_is_read_whole_and_checked() {
     let messages = flight(239, 600);
     let mut log = write(chunks_of(20_000, None), &messages);
     let chunks = chunk_indexes(&log);
@@ -106,7 +106,7 @@ const LIES: [(&str, Lie); 10] = [
     ("at the end of the chunk", |index, _, chunk| {
         entry(index, 1)[8..].copy_from_slice(&chunk.uncompressed_size.to_le_bytes());
     }),
-    ("behind the start of a record", |index, _, _| {
+    ("after the start of a record", |index, _, _| {
         entry(index, 1)[8] ^= 1;
     }),
     ("at a message of another channel", |index, frames, _| {
@@ -128,7 +128,7 @@ const LIES: [(&str, Lie); 10] = [
 ];
 
 #[test]
-fn an_index_that_lies_is_not_believed() {
+fn a_false_message_index_is_not_believed() {
     let (messages, honest) = uncompressed_flight();
     let chunks = chunk_indexes(&honest);
     for (lie, tell) in LIES {
@@ -143,7 +143,7 @@ fn an_index_that_lies_is_not_believed() {
         outcome.unwrap_or_else(|error| panic!("{lie}: {error}"));
         assert_eq!(samples, sorted(&messages, LOGGED), "{lie}");
 
-        // All of the chunk is read then, and its checksum tells what else is wrong.
+        // All of the chunk is read then, and its checksum shows what else is wrong.
         spoil_frames(&mut log, &chunks);
         let (_, outcome) = read(&log, PROFILE);
         let error = outcome.expect_err(lie).to_string();
@@ -152,7 +152,7 @@ fn an_index_that_lies_is_not_believed() {
 }
 
 #[test]
-fn a_message_that_is_not_whole_is_an_error() {
+fn an_incomplete_message_is_an_error() {
     let (_, honest) = uncompressed_flight();
     let chunk = &chunk_indexes(&honest)[0];
     let last = *places(&honest, chunk, Content::Attitude)

@@ -1,4 +1,4 @@
-//! Telemetry as told on the command line: what each form of an argument means, and what wrong ones are told.
+//! Telemetry as given on the command line: what each form of an argument means, and how wrong ones are answered.
 
 use flightcam::{
     decode::path::FieldPath,
@@ -31,9 +31,9 @@ fn on(topic: &str, fields: RoleFields) -> Alternative {
     Alternative { place, fields }
 }
 
-/// The alternative that an argument says.
+/// The alternative that an argument stands for.
 #[track_caller]
-fn said(role: Kind, argument: &str) -> Alternative {
+fn parsed(role: Kind, argument: &str) -> Alternative {
     match RoleArgument::parse(role, argument) {
         Ok(RoleArgument::Fields(alternative)) => *alternative,
         Ok(RoleArgument::Topic(topic)) => panic!("only a topic: {topic}"),
@@ -41,7 +41,7 @@ fn said(role: Kind, argument: &str) -> Alternative {
     }
 }
 
-/// Checks what the user is told of wrong arguments.
+/// Checks the errors of wrong arguments.
 #[track_caller]
 fn complains(role: Kind, cases: &[(&str, &str)]) {
     for (argument, words) in cases {
@@ -52,7 +52,7 @@ fn complains(role: Kind, cases: &[(&str, &str)]) {
     }
 }
 
-mod an_attitude {
+mod attitude {
     use super::*;
 
     fn source(topic: &str, orientation: Orientation, convention: Convention) -> Alternative {
@@ -78,7 +78,7 @@ mod an_attitude {
     }
 
     #[test]
-    fn is_three_angles_with_their_unit() {
+    fn an_attitude_is_three_angles_with_their_unit() {
         for (unit, expected) in [
             ("radians", AngleUnit::Radians),
             ("degrees", AngleUnit::Degrees),
@@ -86,9 +86,9 @@ mod an_attitude {
         ] {
             let argument = format!("/imu.roll,/imu.pitch,/imu.yaw:{unit}");
             let expected = source("/imu", euler(expected), Convention::FrdNed);
-            assert_eq!(said(Kind::Attitude, &argument), expected);
+            assert_eq!(parsed(Kind::Attitude, &argument), expected);
         }
-        let spaced = said(
+        let spaced = parsed(
             Kind::Attitude,
             "/imu.roll, /imu.pitch, /imu.yaw:flu-enu:degrees",
         );
@@ -97,7 +97,7 @@ mod an_attitude {
     }
 
     #[test]
-    fn is_a_quaternion_in_one_field_or_in_four() {
+    fn an_attitude_is_a_quaternion_in_one_field_or_in_four() {
         let together = |path| Components::Together(field(path));
         let four = each(["q[0]", "q[1]", "q[2]", "q[3]"]);
         use {Convention::*, QuaternionOrder::*};
@@ -129,12 +129,12 @@ mod an_attitude {
             ),
         ] {
             let expected = source(topic, quaternion(fields, order), convention);
-            assert_eq!(said(Kind::Attitude, argument), expected, "{argument}");
+            assert_eq!(parsed(Kind::Attitude, argument), expected, "{argument}");
         }
     }
 
     #[test]
-    fn may_be_a_topic_alone() {
+    fn an_attitude_may_be_a_topic_alone() {
         for (argument, topic) in [("/odom", "/odom"), (r#""/a.b""#, "/a.b")] {
             let parsed = RoleArgument::parse(Kind::Attitude, argument);
             assert_eq!(parsed, Ok(RoleArgument::Topic(topic.to_owned())));
@@ -142,7 +142,7 @@ mod an_attitude {
     }
 
     #[test]
-    fn that_is_wrong_is_told_what_to_write() {
+    fn a_wrong_attitude_is_an_error_with_advice() {
         let words = "radians, degrees or centidegrees; wxyz or xyzw; frd-ned or flu-enu";
         let unknown = |word| format!("`{word}` has no meaning here … {words}");
         complains(
@@ -186,11 +186,11 @@ mod an_attitude {
     }
 }
 
-mod a_velocity {
+mod velocity {
     use super::*;
 
     #[test]
-    fn is_a_vector_or_three_fields_with_their_axes() {
+    fn a_velocity_is_a_vector_or_three_fields_with_their_axes() {
         let apart = || each(["vel.n", "vel.e", "vel.d"]);
         let together = |path| Components::Together(field(path));
         use {SpeedUnit::*, VelocityFrame::*};
@@ -231,12 +231,12 @@ mod a_velocity {
                 required: false,
             };
             let expected = on(topic, RoleFields::Velocity(velocity));
-            assert_eq!(said(Kind::Velocity, argument), expected, "{argument}");
+            assert_eq!(parsed(Kind::Velocity, argument), expected, "{argument}");
         }
     }
 
     #[test]
-    fn that_is_wrong_is_told_what_to_write() {
+    fn a_wrong_velocity_is_an_error_with_advice() {
         let words = "ned, enu, body-frd or body-flu; m/s, cm/s or mm/s";
         let unknown = |word| format!("`{word}` has no meaning here … {words}");
         complains(
@@ -259,7 +259,7 @@ mod a_velocity {
     }
 }
 
-mod a_gimbal {
+mod gimbal {
     use super::*;
 
     fn source(
@@ -276,7 +276,7 @@ mod a_gimbal {
     }
 
     #[test]
-    fn is_a_pitch_up_or_down_of_the_horizon() {
+    fn a_gimbal_is_a_pitch_above_or_below_the_horizon() {
         for (argument, unit, positive) in [
             (
                 "/gimbal.pitch:degrees",
@@ -295,12 +295,12 @@ mod a_gimbal {
                 positive,
             });
             let expected = source(pitch, GimbalReference::Heading, Convention::FrdNed);
-            assert_eq!(said(Kind::Gimbal, argument), expected, "{argument}");
+            assert_eq!(parsed(Kind::Gimbal, argument), expected, "{argument}");
         }
     }
 
     #[test]
-    fn is_a_rotation_from_a_reference() {
+    fn a_gimbal_is_a_rotation_from_a_reference() {
         let quaternion = |order| {
             let fields = Components::Together(field("q"));
             Orientation::Quaternion(Quaternion { fields, order })
@@ -324,14 +324,14 @@ mod a_gimbal {
             ),
         ] {
             let expected = source(orientation, reference, Convention::FrdNed);
-            assert_eq!(said(Kind::Gimbal, argument), expected, "{argument}");
+            assert_eq!(parsed(Kind::Gimbal, argument), expected, "{argument}");
         }
-        let flu = said(Kind::Gimbal, "/gimbal.q:earth:flu-enu");
+        let flu = parsed(Kind::Gimbal, "/gimbal.q:earth:flu-enu");
         assert_eq!(flu, source(quaternion(Wxyz), Earth, Convention::FluEnu));
     }
 
     #[test]
-    fn that_is_wrong_is_told_what_to_write() {
+    fn a_wrong_gimbal_is_an_error_with_advice() {
         let either =
             "pitch angle … unit (`:degrees`, … quaternion … (`:earth`, `:heading`, `:airframe`)";
         complains(
@@ -362,11 +362,11 @@ mod a_gimbal {
     }
 }
 
-mod a_position {
+mod position {
     use super::*;
 
     #[test]
-    fn is_geodetic_or_local() {
+    fn a_position_is_geodetic_or_local() {
         let [latitude, longitude, altitude] = ["lat", "lon", "alt"].map(field);
         let geodetic = Coordinates::Geodetic {
             latitude,
@@ -393,12 +393,12 @@ mod a_position {
             ("/gps.p:enu:cm", vector),
         ] {
             let expected = on("/gps", RoleFields::Position(coordinates));
-            assert_eq!(said(Kind::Position, argument), expected, "{argument}");
+            assert_eq!(parsed(Kind::Position, argument), expected, "{argument}");
         }
     }
 
     #[test]
-    fn that_is_wrong_is_told_what_to_write() {
+    fn a_wrong_position_is_an_error_with_advice() {
         let either = "takes three … their unit (`:degrees`, `:degE7`), x, y and z their axes (`:ned`, `:enu`)";
         complains(
             Kind::Position,

@@ -24,7 +24,7 @@ fn plain() -> [Topic; 2] {
 }
 
 #[test]
-fn a_namespace_is_found_by_itself_where_there_is_only_one() {
+fn the_only_namespace_is_chosen_automatically() {
     let source = select_with(&one(), &Request::default()).expect("a source");
     assert_eq!(used(&source), ("mavros", POSE, VELOCITY));
     assert_eq!(source.namespace(), "/drone1");
@@ -102,7 +102,7 @@ fn a_namespace_is_not_guessed_from_how_much_is_known_of_each_vehicle() {
 }
 
 #[test]
-fn a_namespace_may_be_none() {
+fn a_namespace_may_be_empty() {
     let both = [one(), plain()].concat();
     refuses(
         &both,
@@ -128,7 +128,7 @@ fn a_namespace_may_be_none() {
 }
 
 #[test]
-fn a_namespace_that_no_topic_is_in_is_told_with_those_that_there_are() {
+fn a_namespace_without_topics_is_refused_with_those_that_have_some() {
     let missing =
         format!("there is no topic in the namespace /drone … topics of the log: … {POSE}");
     refuses(&one(), &[("--namespace", "/drone")], &missing);
@@ -169,18 +169,18 @@ fn a_namespace_may_be_given_for_a_profile_that_has_none_of_its_own() {
 }
 
 #[test]
-fn a_namespace_is_not_put_before_topics_that_the_user_tells() {
+fn a_namespace_is_not_prefixed_to_topics_that_the_user_names() {
     let gps = twice("/drone1/gps", json!({ "v": vector() }));
     let imu = twice(
         "/drone1/mavros/imu/data",
         json!({ "orientation": quaternion() }),
     );
     let more = [&one()[..], &[gps, imu]].concat();
-    let told = ("--velocity", "/drone1/gps.v:ned");
+    let given = ("--velocity", "/drone1/gps.v:ned");
     let imu = ("--attitude", "/drone1/mavros/imu/data");
     for namespace in [None, Some(("--namespace", "/drone1"))] {
         let with = |argument| namespace.into_iter().chain([argument]).collect::<Vec<_>>();
-        selects(&more, &with(told), ("mavros", POSE, "/drone1/gps"));
+        selects(&more, &with(given), ("mavros", POSE, "/drone1/gps"));
         selects(&more, &with(imu), ("mavros", imu.1, VELOCITY));
     }
     // The other vehicle's is not taken for it.

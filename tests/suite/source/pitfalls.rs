@@ -1,5 +1,5 @@
-//! What would yield wrong numbers without a word: a topic read as another, a unit or a frame that does not apply,
-//! fields of no use that spoil those of use.
+//! What would silently yield wrong numbers: a topic read as another, a unit or a frame that does not apply, unused
+//! fields that spoil used ones.
 
 use flightcam::{
     log::{Log, ReadError},
@@ -67,18 +67,18 @@ fn twist(name: &'static str) -> Topic {
 }
 
 #[test]
-fn a_topic_that_is_told_keeps_the_axes_that_the_profile_knows_of_it() {
+fn a_given_topic_keeps_the_axes_that_the_profile_knows_for_it() {
     let local = twist("/mavros/local_position/velocity_local");
     let body = twist("/mavros/local_position/velocity_body");
-    let told = request(&[("--velocity", body.name)]);
-    let (samples, _) = read(&[pose(), local, body], &told, &[Kind::Velocity]);
+    let given = request(&[("--velocity", body.name)]);
+    let (samples, _) = read(&[pose(), local, body], &given, &[Kind::Velocity]);
     for sample in samples {
         let Sample::Velocity(sample) = sample else {
             panic!("only velocities are read");
         };
         assert_eq!(sample.velocity, Velocity::Frd([10.0, 0.0, 0.0].into()));
     }
-    // Odometry in a frame of its own is not an attitude in NED, be it told or found.
+    // Odometry in a frame of its own is not an attitude in NED, whether given or found.
     let odometry = thrice(
         "/fmu/out/vehicle_odometry",
         json!({ "pose_frame": 2, "q": [1, 0, 0, 0], "velocity_frame": 2, "velocity": [1, 0, 0] }),
@@ -115,7 +115,7 @@ fn a_pitch_alone_is_not_measured_from_north_and_has_no_convention() {
 }
 
 #[test]
-fn a_time_that_is_told_holds_for_all_roles_and_needs_its_unit() {
+fn a_given_time_holds_for_all_roles_and_needs_its_unit() {
     let own = of_profile(
         "name = \"own\"\n[attitude]\norientation.quaternion = \"/a.q\"\n\
          time.field = { path = \"t\", unit = \"s\" }\n",
@@ -131,14 +131,17 @@ fn a_time_that_is_told_holds_for_all_roles_and_needs_its_unit() {
     };
     let second = 1_000_000_000;
     assert_eq!(times(&own), [second, 2 * second, 3 * second]);
-    let told = |time: &str| Request {
+    let given = |time: &str| Request {
         time: Some(time.parse().expect("a time")),
         ..own.clone()
     };
-    assert_eq!(times(&told("u:s")), [10 * second, 20 * second, 30 * second]);
+    assert_eq!(
+        times(&given("u:s")),
+        [10 * second, 20 * second, 30 * second]
+    );
     let folder = Folder::with(LOG, topics::log(&log));
     let opened = Log::open(&folder.path(LOG)).expect("a log");
-    let error = Source::select(&opened, &told("u")).expect_err("10 of what?");
+    let error = Source::select(&opened, &given("u")).expect_err("10 of what?");
     assert!(
         error.to_string().contains("its unit is not given"),
         "{error}"
@@ -166,7 +169,7 @@ fn flags_and_counters_are_compared_bit_by_bit() {
 }
 
 #[test]
-fn a_number_says_no_word() {
+fn a_number_does_not_match_a_condition_on_a_string() {
     let profile = of_profile(
         "name = \"own\"\n[[attitude]]\ntopics = [\"/a\"]\nwhen = { field = \"frame\", says = \"ned\" }\n\
          orientation.quaternion = \"q\"\n",
@@ -199,7 +202,7 @@ fn the_first_alternative_that_fits_anywhere_is_preferred() {
 }
 
 #[test]
-fn vehicles_of_different_autopilots_are_told_apart_too() {
+fn vehicles_of_different_autopilots_are_distinguished_too() {
     let velocity = twist("/d1/mavros/local_position/velocity_local");
     let orientation = json!({ "w": 1, "x": 0, "y": 0, "z": 0 });
     let mavros = thrice(
@@ -217,7 +220,7 @@ fn vehicles_of_different_autopilots_are_told_apart_too() {
 }
 
 #[test]
-fn what_is_not_used_does_not_spoil_what_is() {
+fn unused_fields_do_not_spoil_used_ones() {
     let state =
         json!({ "roll": 0, "pitch": 0, "yaw": 0, "vx": 1, "vy": 0, "vz": 0, "lat": 47, "lon": 8 });
     let messages = [json!("n/a"), json!(400)].map(|altitude| {

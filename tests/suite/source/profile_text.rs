@@ -1,4 +1,4 @@
-//! Profiles as text: what is understood, what is refused and in which words, and that nothing is lost when one is
+//! Profiles as text: what is accepted, what is refused and with which error, and that nothing is lost when one is
 //! written.
 
 use flightcam::sample::Kind;
@@ -41,7 +41,7 @@ fn every_built_in_profile_is_the_same_when_written_and_read_again() {
     }
 }
 
-/// One that has every key there is, so that none is lost.
+/// Every key there is, so that none is lost.
 #[test]
 fn a_profile_with_everything_is_the_same_when_written_and_read_again() {
     let everything = r#"
@@ -115,7 +115,7 @@ fn a_profile_with_everything_is_the_same_when_written_and_read_again() {
 }
 
 #[test]
-fn a_single_alternative_may_stand_by_itself() {
+fn a_single_alternative_needs_no_list() {
     let alone = parsed("[attitude]\ntopics = [\"/a\"]\norientation.quaternion = \"q\"");
     let listed = parsed("[[attitude]]\ntopics = [\"/a\"]\norientation.quaternion = \"q\"");
     assert_eq!(alone, listed);
@@ -123,7 +123,7 @@ fn a_single_alternative_may_stand_by_itself() {
 }
 
 #[test]
-fn what_is_not_said_is_the_usual() {
+fn keys_that_are_left_out_have_their_defaults() {
     let profile = parsed(&beside_attitude(
         r#"velocity = { vector = "v", frame = "ned" }"#,
     ));
@@ -137,11 +137,11 @@ fn what_is_not_said_is_the_usual() {
     assert_eq!(profile, explicit);
 }
 
-mod a_topic_in_a_path {
+mod topic_in_a_path {
     use super::*;
 
     #[test]
-    fn is_the_roles_topic() {
+    fn a_topic_in_a_path_is_the_roles_topic() {
         let role = |vector: &str| {
             parsed(&beside_attitude(&format!(
                 "velocity = {{ vector = {vector}, frame = \"ned\" }}"
@@ -172,7 +172,7 @@ mod a_topic_in_a_path {
     }
 
     #[test]
-    fn may_be_in_any_key_that_takes_a_path() {
+    fn a_topic_may_be_in_any_key_that_takes_a_path() {
         let profile = parsed(
             r#"
             [attitude]
@@ -194,7 +194,7 @@ mod a_topic_in_a_path {
     }
 
     #[test]
-    fn is_refused_beside_another() {
+    fn a_topic_in_a_path_is_refused_next_to_another() {
         let velocity =
             |keys: &str| beside_attitude(&format!("velocity = {{ {keys}, frame = \"ned\" }}"));
         for (keys, words) in [
@@ -261,7 +261,7 @@ fn unknown_keys_are_refused_by_name_at_every_level() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_place_and_what_there_is_instead() {
+fn errors_name_the_place_and_what_would_be_valid() {
     for (text, words) in [
         ("", "missing field `attitude`"),
         ("attitude = []", "`attitude` is empty"),
@@ -349,7 +349,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_there_is_instead() {
 }
 
 #[test]
-fn a_quaternion_is_w_first_unless_told() {
+fn a_quaternion_is_w_first_by_default() {
     let order = |quaternion: &str| {
         let profile = parsed(&format!("attitude.orientation.quaternion = {quaternion}"));
         match &profile.alternatives(Kind::Attitude)[0].fields {

@@ -1,5 +1,4 @@
-//! Which telemetry of a log is used: which profile, and which topics; and what the user is told where that is not
-//! clear.
+//! Which telemetry of a log is used: which profile, and which topics; and the error where that is not clear.
 
 use flightcam::{
     log::Log,
@@ -22,7 +21,7 @@ fn own(toml: &str) -> Request {
     }
 }
 
-mod of_profiles {
+mod between_profiles {
     use super::*;
 
     fn mavros() -> [Topic; 2] {
@@ -38,7 +37,7 @@ mod of_profiles {
     }
 
     #[test]
-    fn that_fit_equally_well_the_user_chooses_one() {
+    fn profiles_that_fit_equally_well_are_refused_with_how_to_choose() {
         let both = [mavros(), px4()].concat();
         let words = "several profiles fit equally well … \
                      px4-ros2: /fmu/out/vehicle_attitude … mavros: /mavros/local_position/pose";
@@ -58,7 +57,7 @@ mod of_profiles {
     }
 
     #[test]
-    fn one_that_finds_a_velocity_goes_before_one_that_does_not() {
+    fn a_profile_with_a_velocity_precedes_one_without() {
         let [px4, _] = px4();
         let [pose, twist] = mavros();
         let (pose_name, twist_name) = (pose.name, twist.name);
@@ -75,7 +74,7 @@ mod of_profiles {
     }
 
     #[test]
-    fn one_that_names_topics_goes_before_a_type_and_a_type_before_fields() {
+    fn a_profile_that_names_topics_precedes_one_with_types_and_that_one_with_fields() {
         let [px4_attitude, px4_velocity] = px4();
         let px4 = ("px4-ros2", px4_attitude.name, px4_velocity.name);
         let topics = [
@@ -90,12 +89,12 @@ mod of_profiles {
     }
 
     #[test]
-    fn that_were_tried_are_told_the_better_ones_first() {
+    fn profiles_that_were_tried_are_listed_best_first() {
         let [px4, _] = px4();
         let folder = Folder::with(LOG, log(&[px4, odometry("/odom"), flat("/state")]));
         let opened = Log::open(&folder.path(LOG)).expect("a log");
         let source = Source::compare(&opened, &Request::default()).expect("a source");
-        // What a topic's name tells to be the vehicle's goes before what may be anything's, velocity or not.
+        // A topic whose name says that it is the vehicle's precedes one that may be anything's, velocity or not.
         assert_eq!(source.profile.name, "px4-ros2");
         let tried = source
             .runners_up
@@ -111,7 +110,7 @@ mod of_profiles {
 }
 
 #[test]
-fn of_several_topics_of_a_type_the_user_chooses_one() {
+fn several_topics_of_a_type_are_refused_with_how_to_choose() {
     let topics = ["/odom", "/vio"].map(odometry);
     refuses(&topics, &[], "/odom and /vio fit equally well");
     for topic in ["/odom", "/vio"] {
@@ -138,7 +137,7 @@ fn a_type_without_a_velocity_is_used_without_one() {
 }
 
 #[test]
-fn a_topic_without_messages_is_none() {
+fn a_topic_without_messages_does_not_count() {
     let silent = Topic {
         messages: Vec::new(),
         ..odometry("/vio")
@@ -177,11 +176,11 @@ fn the_highest_version_of_a_topic_is_used_whatever_its_spelling() {
     }
 }
 
-mod of_alternatives {
+mod alternatives {
     use super::*;
 
     #[test]
-    fn the_first_for_which_the_schema_has_the_fields_is_used() {
+    fn the_first_alternative_whose_fields_the_schema_has_is_used() {
         let profile = own(r#"
             name = "mine"
             attitude = [
@@ -209,9 +208,9 @@ mod of_alternatives {
         );
     }
 
-    /// What the first looked at must not be read: here it would not decode.
+    /// What the first one looked at must not be read: here it would not decode.
     #[test]
-    fn one_that_does_not_fit_leaves_nothing_behind() {
+    fn an_alternative_that_does_not_fit_leaves_no_trace() {
         let profile = own(r#"
             name = "mine"
             attitude = [
@@ -241,11 +240,11 @@ mod of_alternatives {
     }
 }
 
-mod what_is_told {
+mod what_the_user_gives {
     use super::*;
 
     #[test]
-    fn replaces_what_the_profile_says() {
+    fn what_the_user_gives_replaces_what_the_profile_says() {
         let gps = twice(
             "/gps",
             json!({ "v": vector(), "p": vector(), "q": quaternion() }),
@@ -270,7 +269,7 @@ mod what_is_told {
     }
 
     #[test]
-    fn and_is_not_there_is_an_error_that_names_the_role() {
+    fn a_given_topic_that_is_missing_is_an_error_that_names_the_role() {
         for (role, missing, lacking) in [
             ("--attitude", "/imu.q", "/state.q"),
             ("--velocity", "/imu.q:ned", "/state.q:ned"),
@@ -294,7 +293,7 @@ mod what_is_told {
     }
 
     #[test]
-    fn of_a_topic_alone_needs_a_profile_that_says_how_to_read_it() {
+    fn a_topic_alone_needs_a_profile_that_says_how_to_read_it() {
         let topics = [flat("/state")];
         let words = "only a topic was given for the gimbal";
         refuses(

@@ -1,5 +1,5 @@
-//! Of a log that passes by, all messages are kept that may turn out to be its telemetry: what is found and read in
-//! them is what is found and read in the whole log. Of what clearly is no telemetry nothing is kept.
+//! Of a streamed log, all messages that may turn out to be its telemetry are kept: what is found and read in them is
+//! what is found and read in the whole log. Nothing is kept of what clearly is not telemetry.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -26,7 +26,7 @@ use crate::support::{
     topics::*,
 };
 
-/// The way in which a profile is chosen that is not by itself.
+/// A request that names the profile unless it is found automatically.
 fn request_for(profile: &str) -> Request {
     let profile = Profile::load(profile).expect("a built-in profile");
     let is_automatic = profile.automatic;
@@ -66,8 +66,8 @@ fn every_profiles_flights_are_found_and_read_whole() {
 }
 
 #[test]
-fn flights_of_several_publishers_in_one_log_are_told_apart_as_in_a_file() {
-    let mut log = flights::logbook::Logbook::new();
+fn flights_of_several_publishers_in_one_log_are_distinguished_as_in_a_file() {
+    let mut log = flights::recorder::Recorder::new();
     for (number, recording) in (0..).zip(recordings()) {
         log.rename(move |topic| match number % 3 {
             0 => topic.to_owned(),
@@ -107,7 +107,7 @@ proptest! {
     #![proptest_config(crate::support::cases(256))]
 
     #[test]
-    fn a_log_of_any_topics_gives_the_same_as_a_file(
+    fn a_streamed_log_of_any_topics_gives_the_same_as_a_file(
         log in any_log(),
         arguments in prop::sample::select(REQUESTS.to_vec()),
     ) {
@@ -147,7 +147,7 @@ string frame_id
 ";
 
 #[test]
-fn nothing_is_kept_of_what_clearly_is_no_telemetry() {
+fn nothing_is_kept_of_what_clearly_is_not_telemetry() {
     let mut book = Logbook::with_chunks_of(50_000);
     let flat = book.json("/drone/state");
     let (video, _) = book.protobuf("/camera/video", COMPRESSED_VIDEO);
@@ -191,7 +191,7 @@ fn nothing_is_kept_of_what_clearly_is_no_telemetry() {
     ] {
         assert_eq!(kept[topic], 0, "{topic}");
     }
-    // What is in JSON messages they tell themselves: the first segment's.
+    // JSON messages have to be looked at: those of the first segment.
     assert_eq!(kept["/camera/frames"], 1);
     assert!(kept["/status"] <= 10);
 
@@ -204,7 +204,7 @@ fn nothing_is_kept_of_what_clearly_is_no_telemetry() {
 }
 
 #[test]
-fn what_the_user_tells_is_kept_and_of_others_only_what_may_be_beside_it() {
+fn given_topics_are_kept_and_of_others_only_what_may_be_used_with_them() {
     let mut book = Logbook::new();
     let odd = book.channel(0, "/odd", "json");
     let flat = book.json("/drone/state");
@@ -219,23 +219,23 @@ fn what_the_user_tells_is_kept_and_of_others_only_what_may_be_beside_it() {
         let kept = kept(&log, &request(arguments));
         (kept["/odd"], kept["/drone/state"])
     };
-    let told = ("--attitude", "/odd.a,/odd.b,/odd.c:radians");
-    let (odd, flat) = kept_of(&[told]);
+    let given = ("--attitude", "/odd.a,/odd.b,/odd.c:radians");
+    let (odd, flat) = kept_of(&[given]);
     assert!(odd == 50 && flat <= 10, "{flat}");
     let velocity = (
         "--velocity",
         "/drone/state.vx,/drone/state.vy,/drone/state.vz:ned",
     );
-    assert_eq!(kept_of(&[told, velocity]), (50, 50));
-    // It is told as the log names it, whatever the namespace of the others.
-    let (odd, flat) = kept_of(&[told, velocity, ("--namespace", "/drone")]);
+    assert_eq!(kept_of(&[given, velocity]), (50, 50));
+    // It is given as the log names it, whatever the namespace of the others.
+    let (odd, flat) = kept_of(&[given, velocity, ("--namespace", "/drone")]);
     assert_eq!((odd, flat), (50, 50));
     let (odd, flat) = kept_of(&[]);
     assert!(odd <= 10 && flat == 50, "{odd}");
 }
 
 #[test]
-fn messages_too_long_for_examples_tell_nothing_and_are_kept_till_others_do() {
+fn messages_too_long_for_samples_are_kept_until_others_decide() {
     let mut book = Logbook::with_chunks_of(10_000_000);
     let state = book.json("/drone/state");
     let long = format!(r#"{{"note":"{}"}}"#, "x".repeat(70_000));
@@ -252,7 +252,7 @@ fn messages_too_long_for_examples_tell_nothing_and_are_kept_till_others_do() {
 }
 
 #[test]
-fn what_is_defined_only_in_the_summary_is_kept_for_all_cases() {
+fn topics_defined_only_in_the_summary_are_kept() {
     let log = log(&[odometry("/odom")]);
     let unchunked = rewritten(&log, WriteOptions::new().use_chunks(false));
     for lacking in [

@@ -127,7 +127,7 @@ fn a_users_profile_is_written_as_before() {
     }
 }
 
-/// A request that is made of arguments.
+/// A request made of arguments.
 fn request(arguments: &[(&str, &str)], profile: Option<&str>) -> Request {
     let mut request = Request::default();
     if let Some(toml) = profile {

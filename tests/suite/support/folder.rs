@@ -12,7 +12,7 @@ use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The log in most tests, and where its result goes unless told otherwise.
+/// The log in most tests, and where its result goes by default.
 pub const LOG: &str = "flight.mcap";
 pub const RESULT: &str = "flight.enriched.mcap";
 
@@ -41,7 +41,7 @@ impl Folder {
         )
     }
 
-    /// With all that lies in another folder.
+    /// With a copy of all files in another folder.
     pub fn copy_of(other: &Path) -> Self {
         let folder = Self::new();
         for entry in fs::read_dir(other).unwrap().flatten() {
@@ -99,7 +99,7 @@ impl Folder {
         self.contents().into_iter().map(checksum).collect()
     }
 
-    /// Runs the program with arguments separated by spaces, and expects an exit code. Gives standard output and
+    /// Runs the program with arguments separated by spaces, and expects an exit code. Returns standard output and
     /// standard error.
     #[track_caller]
     pub fn run(&self, arguments: &str, code: i32) -> (String, String) {
@@ -111,7 +111,7 @@ impl Folder {
         (out, err)
     }
 
-    /// Runs the program where no file may become longer than so many blocks of 512 bytes. Gives the exit code,
+    /// Runs the program where no file may become longer than that many blocks of 512 bytes. Returns the exit code,
     /// standard output and standard error.
     #[cfg(unix)]
     pub fn run_limited(&self, blocks: usize, arguments: &str) -> (i32, String, String) {
@@ -141,12 +141,12 @@ impl Folder {
     }
 
     /// Runs the program, which must write a result: with this exit code, nothing on standard error, nothing on
-    /// standard output that is meant for a terminal, and all other files as they were. Gives what it printed.
+    /// standard output that is meant for a terminal, and all other files as they were. Returns what it printed.
     #[track_caller]
     pub fn writes(&self, result: &str, arguments: &str, code: i32) -> String {
         let mut before = self.contents();
         let (out, err) = self.run(arguments, code);
-        // Where the report is not for people, what they must know goes to standard error.
+        // Where the report is not for people, warnings go to standard error.
         let warns = code == 3 && (arguments.contains("--json") || arguments.contains("--quiet"));
         assert_eq!(
             !err.is_empty(),
@@ -184,9 +184,9 @@ fn text(output: Vec<u8>) -> String {
 pub fn assert_reads(text: &str, abridged: &str) {
     let mut rest = text;
     for part in abridged.split('…').map(str::trim) {
-        let Some((_, behind)) = rest.split_once(part) else {
+        let Some((_, after)) = rest.split_once(part) else {
             panic!("`{part}` of `{abridged}` is not where it should be in:\n{text}");
         };
-        rest = behind;
+        rest = after;
     }
 }

@@ -1,4 +1,4 @@
-//! Inspections of logs, and a judge of their numbers that is made of the official reader.
+//! Inspections of logs, and checks of their numbers with the official reader.
 
 use std::collections::BTreeMap;
 

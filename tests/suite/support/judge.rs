@@ -1,4 +1,4 @@
-//! A judge of results that is made of the official reader.
+//! Checks of results with the official reader.
 
 use std::collections::BTreeMap;
 
@@ -13,13 +13,13 @@ use mcap::{
 use prost::Message as _;
 use sha2::{Digest, Sha256};
 
-use super::{Parts, Read, Shape, enrich_bytes};
+use super::{Parts, ReadMessage, Shape, enrich_bytes};
 
 /// The topics that enriching adds.
 pub const DERIVED: [&str; 2] = ["/camera/relative_rpy", "/camera/velocity"];
 
 /// Every message in the order of the file, read as a stream, with all checksums checked.
-pub fn stream(log: &[u8], torn: bool) -> Vec<Read> {
+pub fn stream(log: &[u8], torn: bool) -> Vec<ReadMessage> {
     let mut channels = BTreeMap::new();
     let mut messages = Vec::new();
     each_record(log, torn, |record| match record {
@@ -28,7 +28,7 @@ pub fn stream(log: &[u8], torn: bool) -> Vec<Read> {
         }
         Record::Message { header, data } => {
             let (topic, encoding) = &channels[&header.channel_id];
-            messages.push(Read::new(topic, encoding, &header, &data));
+            messages.push(ReadMessage::new(topic, encoding, &header, &data));
         }
         _ => {}
     });
@@ -63,7 +63,7 @@ pub fn each_record(log: &[u8], torn: bool, mut take: impl FnMut(Record)) {
 }
 
 /// Every message in time order, read through the index.
-pub fn indexed(log: &[u8]) -> Vec<Read> {
+pub fn indexed(log: &[u8]) -> Vec<ReadMessage> {
     let summary = Summary::read(log)
         .expect("a readable summary")
         .expect("a summary");
@@ -80,7 +80,7 @@ pub fn indexed(log: &[u8]) -> Vec<Read> {
             IndexedReadEvent::Message { header, data } => {
                 let channel = &summary.channels[&header.channel_id];
                 let (topic, encoding) = (&channel.topic, &channel.message_encoding);
-                messages.push(Read::new(topic, encoding, &header, data));
+                messages.push(ReadMessage::new(topic, encoding, &header, data));
             }
         }
     }
@@ -126,7 +126,7 @@ pub fn recount(log: &[u8]) -> Statistics {
     count
 }
 
-/// What a result carries of the original's end.
+/// The original's end, as a result carries it.
 pub fn original_tail(result: &[u8]) -> OriginalTail {
     let summary = Summary::read(result)
         .expect("a readable summary")
@@ -140,8 +140,8 @@ pub fn original_tail(result: &[u8]) -> OriginalTail {
     OriginalTail::decode(&attachment.data[..]).expect("an OriginalTail")
 }
 
-/// Checks all that a result promises, whatever the log's shape; gives the derived messages.
-pub fn judge(log: &[u8], result: &[u8], torn: bool) -> Vec<Read> {
+/// Checks all that a result promises, whatever the log's shape; returns the derived messages.
+pub fn judge(log: &[u8], result: &[u8], torn: bool) -> Vec<ReadMessage> {
     let tail = original_tail(result);
     let data_end = tail.data_end as usize;
     assert!(
@@ -164,10 +164,10 @@ pub fn judge(log: &[u8], result: &[u8], torn: bool) -> Vec<Read> {
     );
     assert_eq!(tail.tail_sha256, Sha256::digest(&restored_tail).to_vec());
 
-    // What a torn chunk may still tell is in the original's end, not among the records.
+    // What can still be read of a torn chunk is in the original's end, not among the records.
     let original = stream(&log[..if torn { data_end } else { log.len() }], torn);
     let all = stream(result, false);
-    let (derived, kept): (Vec<Read>, Vec<Read>) = all
+    let (derived, kept): (Vec<ReadMessage>, Vec<ReadMessage>) = all
         .iter()
         .cloned()
         .partition(|message| DERIVED.contains(&message.topic.as_str()));
@@ -204,7 +204,7 @@ pub fn judge(log: &[u8], result: &[u8], torn: bool) -> Vec<Read> {
     derived
 }
 
-fn count(messages: &[Read], topic: &str) -> u32 {
+fn count(messages: &[ReadMessage], topic: &str) -> u32 {
     messages
         .iter()
         .filter(|message| message.topic == topic)
@@ -212,7 +212,7 @@ fn count(messages: &[Read], topic: &str) -> u32 {
 }
 
 /// The derived messages of the messages that every [`Shape`] has.
-pub fn expected_of_any_shape() -> Vec<Read> {
+pub fn expected_of_any_shape() -> Vec<ReadMessage> {
     let log = Shape::default().write();
     let (result, _) = enrich_bytes(&log).expect("a log of the usual shape");
     judge(&log, &result, false)
@@ -220,7 +220,7 @@ pub fn expected_of_any_shape() -> Vec<Read> {
 
 /// Checks that the index of a log leads to all of its messages, in the order of their times.
 #[track_caller]
-pub fn check_index_leads_to(mut all: Vec<Read>, log: &[u8]) {
+pub fn check_index_leads_to(mut all: Vec<ReadMessage>, log: &[u8]) {
     let mut by_index = indexed(log);
     assert!(by_index.is_sorted_by_key(|message| message.log_time));
     by_index.sort();

@@ -7,8 +7,8 @@ use mcap::{
 };
 
 use super::{
-    DERIVED, Parts, Read, check_index_leads_to, enrich_bytes, enrich_bytes_with, judge, options,
-    original_tail, recount, stream,
+    DERIVED, Parts, ReadMessage, check_index_leads_to, enrich_bytes, enrich_bytes_with, judge,
+    options, original_tail, recount, stream,
 };
 
 /// The interleaved layout, all else by default.
@@ -16,7 +16,7 @@ pub fn interleaved() -> Options {
     options().layout(Layout::Interleaved)
 }
 
-/// Interleaves a log that lies in memory.
+/// Interleaves a log in memory.
 pub fn interleave(log: &[u8]) -> (Vec<u8>, Report) {
     enrich_bytes_with(log, &interleaved()).expect("a result")
 }
@@ -87,8 +87,9 @@ pub fn judge_interleaved(log: &[u8], torn: bool, result: &[u8], report: &Report)
     // Both are read with all checksums checked.
     let original = stream(if torn { data } else { log }, torn);
     let all = stream(result, false);
-    let is_derived = |message: &Read| DERIVED.contains(&message.topic.as_str());
-    let (derived, kept): (Vec<Read>, Vec<Read>) = all.iter().cloned().partition(is_derived);
+    let is_derived = |message: &ReadMessage| DERIVED.contains(&message.topic.as_str());
+    let (derived, kept): (Vec<ReadMessage>, Vec<ReadMessage>) =
+        all.iter().cloned().partition(is_derived);
     assert!(
         kept == original,
         "every original message is there, in its order"
@@ -113,7 +114,7 @@ pub fn judge_interleaved(log: &[u8], torn: bool, result: &[u8], report: &Report)
     }
 }
 
-/// Every message stands in a message index, which lies right behind its chunk.
+/// Every message is in a message index, right after its chunk.
 fn check_indexes(summary: &Summary, result: &[u8], chunks: &[Chunk]) {
     for Chunk { index, messages } in chunks {
         if messages.is_empty() {
@@ -139,7 +140,7 @@ fn check_indexes(summary: &Summary, result: &[u8], chunks: &[Chunk]) {
     }
 }
 
-/// A derived message lies behind every chunk that has anything as early, and before all others.
+/// A derived message comes after every chunk that has anything as early, and before all others.
 fn check_places(chunks: &[Chunk]) {
     for (place, chunk) in chunks.iter().enumerate() {
         if !chunk.is_derived() {
@@ -150,10 +151,10 @@ fn check_places(chunks: &[Chunk]) {
             others.filter_map(Chunk::start).collect()
         };
         let before = others(&chunks[..place]);
-        let behind = others(&chunks[place + 1..]);
+        let after = others(&chunks[place + 1..]);
         for message in &chunk.messages {
             let time = message.log_time;
-            assert!(behind.iter().all(|&start| start > time));
+            assert!(after.iter().all(|&start| start > time));
             assert!(before.last().is_none_or(|&start| start <= time));
         }
     }

@@ -12,7 +12,7 @@ use prost_reflect::{DescriptorPool, DynamicMessage, MessageDescriptor};
 
 use super::ros::Wire;
 
-/// A log in the making, and the folder that it is read in.
+/// A log in the making, and its folder.
 pub struct Logbook {
     pub writer: mcap::Writer<Cursor<Vec<u8>>>,
     folder: tempfile::TempDir,
@@ -81,7 +81,7 @@ impl Logbook {
             .expect("a message");
     }
 
-    /// The log as a file, and the folder that it lies in.
+    /// The log as a file, and its folder.
     pub fn finish(mut self) -> (tempfile::TempDir, PathBuf) {
         self.writer.finish().expect("the log is finished");
         let input = self.folder.path().join("log.mcap");

@@ -1,4 +1,4 @@
-//! Messages as readers give them, and what derived ones say, each in its own encoding.
+//! Messages as readers return them, and derived ones decoded from any encoding.
 
 use std::collections::BTreeMap;
 
@@ -7,9 +7,9 @@ use mcap::records::MessageHeader;
 use prost::Message;
 use serde_json::Value;
 
-/// A message as any reader gives it.
+/// A message as any reader returns it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Read {
+pub struct ReadMessage {
     pub topic: String,
     /// The message encoding of its channel.
     pub encoding: String,
@@ -19,7 +19,7 @@ pub struct Read {
     pub payload: Vec<u8>,
 }
 
-impl Read {
+impl ReadMessage {
     pub fn new(topic: &str, encoding: &str, header: &MessageHeader, payload: &[u8]) -> Self {
         Self {
             topic: topic.to_owned(),
@@ -32,12 +32,12 @@ impl Read {
     }
 }
 
-/// What a derived message says, whatever the encoding it says it in.
+/// A derived message, decoded from whichever encoding it is in.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Said {
+pub struct DerivedMessage {
     pub topic: String,
     pub log_time: u64,
-    /// The time that the message itself says, nanoseconds.
+    /// The time in the message itself, in nanoseconds.
     pub stamp: u64,
     pub frame_id: String,
     /// Nanoseconds; only a relative rotation has one, and not in ROS 2.
@@ -46,25 +46,30 @@ pub struct Said {
     pub numbers: [f64; 3],
 }
 
-impl Said {
-    pub fn by(message: &Read) -> Self {
+impl DerivedMessage {
+    pub fn decode(message: &ReadMessage) -> Self {
         let is_velocity = message.topic == "/camera/velocity";
         let payload = &message.payload[..];
         let (stamp, frame_id, interval, numbers) = match (message.encoding.as_str(), is_velocity) {
             ("protobuf", true) => {
-                let said = v1::CameraVelocity::decode(payload).expect("a CameraVelocity");
-                let stamp = said.timestamp.expect("a timestamp");
+                let decoded = v1::CameraVelocity::decode(payload).expect("a CameraVelocity");
+                let stamp = decoded.timestamp.expect("a timestamp");
                 let stamp = nanoseconds(stamp.seconds as u64, stamp.nanos as u64);
-                (stamp, said.frame_id, None, [said.x, said.y, said.z])
+                (
+                    stamp,
+                    decoded.frame_id,
+                    None,
+                    [decoded.x, decoded.y, decoded.z],
+                )
             }
             ("protobuf", false) => {
-                let said = v1::RelativeRpy::decode(payload).expect("a RelativeRpy");
-                let stamp = said.timestamp.expect("a timestamp");
+                let decoded = v1::RelativeRpy::decode(payload).expect("a RelativeRpy");
+                let stamp = decoded.timestamp.expect("a timestamp");
                 let stamp = nanoseconds(stamp.seconds as u64, stamp.nanos as u64);
-                let interval = said.interval.expect("an interval");
+                let interval = decoded.interval.expect("an interval");
                 let interval = nanoseconds(interval.seconds as u64, interval.nanos as u64);
-                let numbers = [said.roll, said.pitch, said.yaw];
-                (stamp, said.frame_id, Some(interval), numbers)
+                let numbers = [decoded.roll, decoded.pitch, decoded.yaw];
+                (stamp, decoded.frame_id, Some(interval), numbers)
             }
             ("json", _) => json(payload, is_velocity),
             ("cdr", _) => cdr(payload),
@@ -86,11 +91,11 @@ fn nanoseconds(seconds: u64, beyond: u64) -> u64 {
     seconds * 1_000_000_000 + beyond
 }
 
-type Parts = (u64, String, Option<u64>, [f64; 3]);
+type Decoded = (u64, String, Option<u64>, [f64; 3]);
 
-fn json(payload: &[u8], is_velocity: bool) -> Parts {
-    let mut said: BTreeMap<String, Value> = serde_json::from_slice(payload).expect("JSON");
-    let mut take = |name: &str| said.remove(name).unwrap_or_else(|| panic!("no {name}"));
+fn json(payload: &[u8], is_velocity: bool) -> Decoded {
+    let mut decoded: BTreeMap<String, Value> = serde_json::from_slice(payload).expect("JSON");
+    let mut take = |name: &str| decoded.remove(name).unwrap_or_else(|| panic!("no {name}"));
     let time = |time: Value| {
         assert_eq!(time.as_object().expect("an object").len(), 2);
         let part = |name: &str| time[name].as_u64().expect("a whole number");
@@ -104,12 +109,12 @@ fn json(payload: &[u8], is_velocity: bool) -> Parts {
         false => ["roll", "pitch", "yaw"],
     };
     let numbers = names.map(|name| take(name).as_f64().expect("a number"));
-    assert!(said.is_empty(), "nothing else: {said:?}");
+    assert!(decoded.is_empty(), "nothing else: {decoded:?}");
     (stamp, frame_id, interval, numbers)
 }
 
 /// Reads a `geometry_msgs/msg/Vector3Stamped`, offset by offset.
-fn cdr(payload: &[u8]) -> Parts {
+fn cdr(payload: &[u8]) -> Decoded {
     let (header, content) = payload.split_first_chunk().expect("a header");
     assert_eq!(header, &[0, 1, 0, 0], "CDR, little-endian");
     let word = |at: usize| u32::from_le_bytes(content[at..at + 4].try_into().expect("4 bytes"));

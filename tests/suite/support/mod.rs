@@ -23,7 +23,7 @@ pub mod telemetry;
 pub mod topics;
 
 pub use judge::*;
-pub use message::Read;
+pub use message::ReadMessage;
 pub use parts::{Parts, whole_records};
 pub use shapes::{MESSAGES, Shape, TELEMETRY, mixed_log};
 
@@ -40,7 +40,7 @@ pub fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// The folder of real logs; `None`, with a word on why, where there is none.
+/// The folder of real logs; `None`, with a message, where there is none.
 pub fn real_logs() -> Option<PathBuf> {
     let folder = match env::var_os("FLIGHTCAM_REAL_LOGS") {
         Some(folder) => PathBuf::from(folder),
@@ -66,7 +66,7 @@ pub fn options_at(degrees: f64) -> Options {
     Options::new().depression(DepressionAngle::from_degrees(degrees).expect("it is in range"))
 }
 
-/// Enriches a log that lies in memory; gives the result's bytes and the report.
+/// Enriches a log in memory; returns the result's bytes and the report.
 pub fn enrich_bytes(log: &[u8]) -> Result<(Vec<u8>, Report), Error> {
     enrich_bytes_with(log, &options())
 }

@@ -1,4 +1,4 @@
-//! Logs of numbered messages, and the samples that must come of them.
+//! Logs of numbered messages, and the samples that must be read from them.
 
 use std::{collections::BTreeMap, io::Cursor, iter};
 
@@ -31,7 +31,7 @@ pub const PROFILE: &str = r#"
     frame = "ned"
 "#;
 
-/// Before the rest of a profile: the time of a sample is not that of the log.
+/// The start of a profile in which the time of a sample is not its log time.
 pub const MEASURED: &str = r#"time = { field = { path = "measured", unit = "ns" } }"#;
 
 /// What a message has.
@@ -65,12 +65,12 @@ impl Content {
 }
 
 impl Message {
-    /// A time that it gives itself: the later it was logged, the earlier.
+    /// A time in the message itself: the later it was logged, the earlier.
     pub fn measured(&self) -> u64 {
         6000_u64.saturating_sub(self.time)
     }
 
-    /// What is said in the n-th message: its number, which tells it from the others.
+    /// The content of the n-th message: its number, which distinguishes it from the others.
     pub fn payload(&self, n: usize) -> Vec<u8> {
         let name = match self.content {
             Content::Attitude => "yaw",
@@ -123,10 +123,10 @@ pub fn write(options: WriteOptions, messages: &[Message]) -> Vec<u8> {
     writer.into_inner().into_inner()
 }
 
-/// When it was, what it is of, and the number of its message.
-pub type Read = (u64, Kind, usize);
+/// A sample's time, its kind, and the number of its message.
+pub type ReadSample = (u64, Kind, usize);
 
-pub fn describe(sample: Sample) -> Read {
+pub fn describe(sample: Sample) -> ReadSample {
     let number = match sample {
         Sample::Attitude(sample) => sample.orientation.euler_angles().2,
         Sample::Velocity(sample) => match sample.velocity {
@@ -142,9 +142,9 @@ pub fn describe(sample: Sample) -> Read {
     )
 }
 
-/// The samples of messages: what they are sorted, at equal times in the order of the file.
-pub fn sorted(messages: &[Message], time: impl Fn(&Message) -> u64) -> Vec<Read> {
-    let mut samples: Vec<Read> = (messages.iter().enumerate())
+/// The samples of messages, sorted by time, and at equal times in the order of the file.
+pub fn sorted(messages: &[Message], time: impl Fn(&Message) -> u64) -> Vec<ReadSample> {
+    let mut samples: Vec<ReadSample> = (messages.iter().enumerate())
         .filter_map(|(n, message)| match message.content {
             Content::Attitude => Some((time(message), Kind::Attitude, n)),
             Content::Velocity => Some((time(message), Kind::Velocity, n)),
@@ -169,8 +169,8 @@ pub fn read_with(
     Reader::new(&log, source).for_each(take)
 }
 
-/// The samples that were read, and the error that ended it or what else was learnt.
-pub fn read(log: &[u8], profile: &str) -> (Vec<Read>, Result<(Source, Tallies), Error>) {
+/// The samples that were read, and the error that ended the reading or its results.
+pub fn read(log: &[u8], profile: &str) -> (Vec<ReadSample>, Result<(Source, Tallies), Error>) {
     let mut samples = Vec::new();
     let outcome = read_with(log, profile, |sample, _| {
         samples.push(describe(sample));
@@ -179,7 +179,7 @@ pub fn read(log: &[u8], profile: &str) -> (Vec<Read>, Result<(Source, Tallies), 
     (samples, outcome)
 }
 
-/// A message of each kind in turn, the frames so long.
+/// A message of each kind in turn, with frames of that length.
 pub fn flight(messages: u64, frame: usize) -> Vec<Message> {
     let contents = [
         Content::Velocity,

@@ -3,7 +3,7 @@
 use flightcam::log::record::{Records, push_record, serialize};
 use mcap::records::{Footer, op};
 
-/// A log as its records: what is before DataEnd, and what lies in the summary (without its offsets).
+/// A log as its records: those before DataEnd, and those of the summary (without its offsets).
 pub struct Parts {
     pub data: Vec<(u8, Vec<u8>)>,
     pub data_section_crc: u32,

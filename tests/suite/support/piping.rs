@@ -1,4 +1,4 @@
-//! Logs that come through a pipe, against the same logs in files.
+//! Logs from a pipe, against the same logs in files.
 
 use std::{
     fmt::Debug,
@@ -19,7 +19,7 @@ use mcap::{WriteOptions, records::MessageHeader};
 
 use super::folder::*;
 
-/// A stream that gives at most so many bytes at a time.
+/// A stream that gives at most that many bytes at a time.
 pub struct Pieces<'a> {
     pub rest: &'a [u8],
     pub most: usize,
@@ -34,7 +34,7 @@ impl Read for Pieces<'_> {
     }
 }
 
-/// What is passed on of a stream, and what is known of it then.
+/// What is passed on of a stream, and what is then known about it.
 pub fn pipe(
     name: &Path,
     input: impl Read,
@@ -55,7 +55,7 @@ pub fn pipe(
     (output, streamed)
 }
 
-/// What comes out of a log's telemetry: what is selected, and every sample of it, in words.
+/// What is selected as a log's telemetry, and every sample of it, as text.
 pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), String> {
     let source = Source::compare(log, request).map_err(|error| error.to_string())?;
     let selected = format!(
@@ -76,8 +76,8 @@ pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), 
     Ok((selected, samples))
 }
 
-/// Checks that a log that comes in pieces of at most so many bytes is passed on whole, and that it is known then
-/// as if it were opened as a file. Gives what is known.
+/// Checks that a log in pieces of at most that many bytes is passed on completely and understood as if it were
+/// opened as a file. Returns what is known about it.
 #[track_caller]
 pub fn check(log: &[u8], request: &Request, most: usize) -> Option<Streamed> {
     let folder = Folder::with(LOG, log);
@@ -90,11 +90,14 @@ pub fn check(log: &[u8], request: &Request, most: usize) -> Option<Streamed> {
         (Ok(opened), Ok(streamed)) => {
             assert_eq!(output.len() as u64, streamed.original.data_end);
             check_original(log, &streamed.original, &opened);
-            let (told, samples) = (
+            let (from_stream, from_file) = (
                 telemetry(&streamed.telemetry, request),
                 telemetry(&opened, request),
             );
-            assert!(told == samples, "streamed: {told:#?}\nopened: {samples:#?}");
+            assert!(
+                from_stream == from_file,
+                "streamed: {from_stream:#?}\nopened: {from_file:#?}"
+            );
             Some(streamed)
         }
         (Err(opened), Err(streamed)) => {
@@ -159,7 +162,7 @@ fn same(streamed: &impl Debug, opened: &impl Debug) {
     assert!(streamed == opened, "streamed: {streamed}\nopened: {opened}");
 }
 
-/// The messages of a log, written otherwise.
+/// The messages of a log, written with other options.
 pub fn rewritten(log: &[u8], options: WriteOptions) -> Vec<u8> {
     let mut writer = options
         .create(io::Cursor::new(Vec::new()))

@@ -1,4 +1,4 @@
-//! Logs of random topics, some of them telemetry, some only like it.
+//! Logs of random topics, some of them telemetry, some only similar.
 
 use std::{collections::BTreeMap, io::Cursor};
 
@@ -100,7 +100,7 @@ fn listing(message: &Value, kind: &str) -> String {
     json!({ "properties": properties }).to_string()
 }
 
-/// A message as it may come, too: without a field, with nothing or a text in one, very long, or torn.
+/// A message that is not as usual: without a field, with null or a string in one, very long, or torn.
 fn changed(mut message: Value, which: prop::sample::Index, change: usize) -> Vec<u8> {
     let object = message.as_object_mut().expect("an object");
     let names: Vec<String> = object.keys().cloned().collect();

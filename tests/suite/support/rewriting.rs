@@ -1,4 +1,4 @@
-//! What other programs, or bad disks, make of a log.
+//! Logs as changed by other programs or by bad disks.
 
 use std::{collections::BTreeMap, io::Cursor};
 
@@ -14,7 +14,7 @@ use prost::Message as _;
 
 use super::{Parts, original_tail};
 
-/// All that a log holds, written anew by the official writer.
+/// All that a log has, written anew by the official writer.
 pub fn written_anew(log: &[u8]) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     let options = WriteOptions::new().compression_threads(0);
@@ -37,7 +37,7 @@ pub fn written_anew(log: &[u8]) -> Vec<u8> {
     file.into_inner()
 }
 
-/// As `mcap add attachment` leaves a log: all data stays, behind it is one record more, and the summary is new.
+/// As `mcap add attachment` leaves a log: all data stays, one record follows it, and the summary is new.
 pub fn with_attachment(log: &[u8]) -> Vec<u8> {
     let header = AttachmentHeader {
         log_time: 1,
@@ -69,7 +69,7 @@ pub fn with_metadata(log: &[u8]) -> Vec<u8> {
     parts.join()
 }
 
-/// An enriched log that says something else of its original. All else is right, checksums and summary too.
+/// An enriched log with something wrong about its original. All else is right, checksums and summary too.
 pub fn with_tail(enriched: &[u8], change: impl FnOnce(&mut OriginalTail)) -> Vec<u8> {
     let mut tail = original_tail(enriched);
     change(&mut tail);
@@ -84,7 +84,7 @@ pub fn with_record_inside(enriched: &[u8], opcode: u8, body: Vec<u8>) -> Vec<u8>
     with_last_attachment(enriched, put, &original_tail(enriched))
 }
 
-/// With the attachment that ends the data written anew, and what is to come before it.
+/// With the attachment at the end of the data written anew, after other records.
 fn with_last_attachment(
     enriched: &[u8],
     put_before: impl FnOnce(&mut Parts),
@@ -122,7 +122,7 @@ fn attach(parts: &mut Parts, header: AttachmentHeader, content: &[u8]) {
         .push((op::ATTACHMENT_INDEX, serialize(&index)));
 }
 
-/// Adds a record to the data; says where it lies.
+/// Adds a record to the data; returns its offset.
 fn add(parts: &mut Parts, opcode: u8, body: Vec<u8>) -> (u64, u64) {
     let mut data = mcap::MAGIC.to_vec();
     for (opcode, body) in &parts.data {

@@ -60,7 +60,7 @@ pub enum List {
     No,
     Fixed(usize),
     Varying,
-    /// Varying, up to so many. ROS 1 does not have it.
+    /// Varying, up to that many. ROS 1 does not have it.
     Bounded(usize),
 }
 
@@ -119,7 +119,7 @@ impl<const N: usize> From<[(&str, &str); N]> for Types {
 }
 
 impl Types {
-    /// The definition of a type, with all others behind it.
+    /// The definition of a type, followed by all others.
     pub fn text(&self, name: &str) -> String {
         let lines = |fields: &[Field]| fields.iter().map(Field::line).collect::<String>();
         let mut text = lines(&self.0[name]);

@@ -13,7 +13,7 @@ use flightcam::{
 
 use super::{folder::*, piping, topics::*};
 
-/// A request, told as on the command line.
+/// A request, given as on the command line.
 pub fn request(arguments: &[(&str, &str)]) -> Request {
     let mut request = Request::default();
     for &(option, value) in arguments {
@@ -35,7 +35,7 @@ pub fn request(arguments: &[(&str, &str)]) -> Request {
     request
 }
 
-/// What is selected of a log in a file, which must be the same if the log comes through a pipe.
+/// What is selected of a log in a file, which must be the same as from a pipe.
 #[track_caller]
 pub fn select_with(topics: &[Topic], request: &Request) -> Result<Source, Error> {
     piping::check(&log(topics), request, 4096);

@@ -126,7 +126,7 @@ fn state(i: u64) -> String {
     .to_string()
 }
 
-/// A chunked and indexed log with some messages of its own behind the chunks, outside any.
+/// A chunked and indexed log with some messages outside its chunks, after them.
 pub fn mixed_log() -> Vec<u8> {
     let mut parts = Parts::of(&Shape::default().write());
     for i in 0..3 {
@@ -191,7 +191,7 @@ pub fn with_repeated_schemas() -> Vec<u8> {
     parts.join()
 }
 
-/// A log as a recorder leaves it that reserved more room than it came to use.
+/// A log as left by a recorder that reserved more space than it came to use.
 pub fn with_zeros_at_the_end() -> Vec<u8> {
     let log = Shape::default().write();
     let mut torn = log[..log.len() * 9 / 10].to_vec();
@@ -199,7 +199,7 @@ pub fn with_zeros_at_the_end() -> Vec<u8> {
     torn
 }
 
-/// A log so long that what is derived from it makes several chunks.
+/// A log so long that what is derived from it fills several chunks.
 pub fn long_log() -> Vec<u8> {
     let shape = Shape::with(|options| options.chunk_size(Some(1024 * 1024)));
     Shape {

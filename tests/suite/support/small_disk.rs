@@ -1,4 +1,4 @@
-//! A disk that has little room, where this machine lets one be had.
+//! A small disk, where this machine allows a test to mount one.
 
 use std::process::{Command, Output};
 
@@ -6,8 +6,8 @@ use assert_cmd::cargo::cargo_bin;
 
 use super::folder::Folder;
 
-/// Runs a shell script that may mount, seen by nobody else. In it `$flightcam` is the program. `None`, with a word on
-/// why, where no mounting is allowed.
+/// Runs a shell script that may mount, invisibly to other processes. In it `$flightcam` is the program. `None`, with a
+/// message, where mounting is not allowed.
 pub fn run_mounting(folder: &Folder, script: &str) -> Option<Output> {
     let run = |script| {
         let mut command = Command::new("unshare");

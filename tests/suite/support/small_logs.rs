@@ -1,4 +1,4 @@
-//! Small logs written message by message, and what comes of them: samples, derived messages, what is dropped.
+//! Small logs written message by message, and what is made of them: samples, derived messages, what is dropped.
 
 use std::fs;
 
@@ -13,13 +13,13 @@ use flightcam::{
 };
 
 use super::{
-    DERIVED, Read,
+    DERIVED, ReadMessage,
     logbook::{Logbook, request},
-    message::Said,
+    message::DerivedMessage,
     stream,
 };
 
-/// Velocities, and why how many others are dropped; or why none can be had.
+/// Velocities, and how many others were dropped for which reason; or why none can be read.
 pub type Found = Result<(Vec<[f64; 3]>, Vec<(&'static str, u64)>), String>;
 
 impl Logbook {
@@ -35,7 +35,7 @@ impl Logbook {
     }
 
     /// Enriches the log with the camera at the horizon, where the rotation's yaw is the drone's own.
-    pub fn enrich(self, profile: Option<&str>) -> Result<(Vec<Read>, Report), Error> {
+    pub fn enrich(self, profile: Option<&str>) -> Result<(Vec<ReadMessage>, Report), Error> {
         let (folder, input) = self.finish();
         let output = folder.path().join("result.mcap");
         let mut options =
@@ -82,22 +82,22 @@ impl Logbook {
 }
 
 /// Of the messages of a topic, the times in milliseconds, and one of the numbers.
-fn numbers(derived: &[Read], topic: &str, which: usize) -> Vec<(u64, f64)> {
+fn numbers(derived: &[ReadMessage], topic: &str, which: usize) -> Vec<(u64, f64)> {
     let of_topic = derived.iter().filter(|message| message.topic == topic);
     of_topic
         .map(|message| {
-            let number = Said::by(message).numbers[which];
-            // Away the last digits, which are geometry's subject.
+            let number = DerivedMessage::decode(message).numbers[which];
+            // Without the last digits, which are the subject of the tests of geometry.
             (message.log_time / 1_000_000, (number * 1e9).round() / 1e9)
         })
         .collect()
 }
 
-pub fn yaws(derived: &[Read]) -> Vec<(u64, f64)> {
+pub fn yaws(derived: &[ReadMessage]) -> Vec<(u64, f64)> {
     numbers(derived, "/camera/relative_rpy", 2)
 }
 
-pub fn forwards(derived: &[Read]) -> Vec<(u64, f64)> {
+pub fn forwards(derived: &[ReadMessage]) -> Vec<(u64, f64)> {
     numbers(derived, "/camera/velocity", 0)
 }
 

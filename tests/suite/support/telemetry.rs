@@ -130,11 +130,11 @@ struct Topic {
     name: &'static str,
     message_type: &'static str,
     types: Types,
-    /// The message at so many seconds.
+    /// The message at that many seconds.
     message: fn(f64) -> Value,
 }
 
-/// A log of so many moments 10 ms apart, each with an attitude and a velocity.
+/// A log of that many moments 10 ms apart, each with an attitude and a velocity.
 pub fn write(kind: Kind, language: Language, moments: u64) -> Logbook {
     let mut log = Logbook::with_chunks_of(768 * 1024);
     for topic in kind.topics(language) {
@@ -165,7 +165,7 @@ pub fn write(kind: Kind, language: Language, moments: u64) -> Logbook {
     log
 }
 
-/// The telemetry of a log that lies in memory: what reads it, and its messages.
+/// The telemetry of a log in memory: what reads it, and its messages.
 pub struct InMemory {
     pub source: Source,
     messages: Vec<mcap::Message<'static>>,

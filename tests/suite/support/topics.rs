@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, io::Cursor};
 use mcap::records::MessageHeader;
 use serde_json::{Value, json};
 
-/// A topic, and what is said on it.
+/// A topic and its messages.
 #[derive(Debug, Clone)]
 pub struct Topic {
     pub name: &'static str,
@@ -95,7 +95,7 @@ pub fn log(topics: &[Topic]) -> Vec<u8> {
     writer.into_inner().into_inner()
 }
 
-/// Readings of a drone that turns as it flies. A unit of its angles is so many radians.
+/// States of a drone that turns as it flies. A unit of its angles is that many radians.
 pub fn states(count: i32, unit: f64) -> impl Iterator<Item = Value> {
     (0..count).map(move |i| {
         let t = f64::from(i) * 0.02;

@@ -16,7 +16,7 @@ const MAX_GAP: f64 = 5.0;
 const NO_BREAKS: Breaks = Breaks { gaps: 0, resets: 0 };
 const ONE_GAP: Breaks = Breaks { gaps: 1, resets: 0 };
 
-/// A moment, with a publish time of its own so that no other time can be taken for it.
+/// A moment, with a publish time of its own so that no other time can be mistaken for it.
 fn at(seconds: f64) -> Stamp {
     let log_time = (seconds * 1e9).round() as u64;
     Stamp {
@@ -146,11 +146,11 @@ impl Run {
     }
 }
 
-mod the_relative_rotation {
+mod relative_rotation {
     use super::*;
 
     #[test]
-    fn does_not_exist_for_the_first_attitude() {
+    fn the_first_attitude_has_no_rotation() {
         let run = run(&[yaw(1.0, 10.0)]);
         assert_eq!(run.turns(), []);
         assert_eq!(run.outcome.tallies[Kind::Attitude].used, 1);
@@ -158,13 +158,13 @@ mod the_relative_rotation {
     }
 
     #[test]
-    fn of_every_further_attitude_is_that_since_the_one_before() {
+    fn every_further_attitude_has_the_rotation_since_the_previous_one() {
         let run = run(&[yaw(1.0, 10.0), yaw(1.1, 25.0), yaw(3.0, -5.0)]);
         assert_eq!(run.turns(), [(1.1, 0.1, 15.0), (3.0, 1.9, -30.0)]);
     }
 
     #[test]
-    fn is_that_of_the_tilted_camera() {
+    fn the_rotation_is_that_of_the_tilted_camera() {
         let run = run_at_depression(90.0, &[yaw(1.0, 10.0), yaw(2.0, 40.0)]);
         let Value::RelativeRpy { rpy, .. } = run.derived[0].value else {
             panic!("not a rotation: {:?}", run.derived);
@@ -174,7 +174,7 @@ mod the_relative_rotation {
     }
 
     #[test]
-    fn spans_the_maximum_gap_but_not_a_nanosecond_more() {
+    fn a_rotation_spans_the_maximum_gap_but_not_a_nanosecond_more() {
         let allowed = run(&[yaw(1.0, 0.0), yaw(6.0, 20.0)]);
         assert_eq!(allowed.turns(), [(6.0, 5.0, 20.0)]);
         assert_eq!(allowed.outcome.breaks, NO_BREAKS);
@@ -185,14 +185,14 @@ mod the_relative_rotation {
     }
 
     #[test]
-    fn resumes_behind_a_gap() {
+    fn rotations_resume_after_a_gap() {
         let run = run(&[yaw(1.0, 0.0), yaw(9.0, 20.0), yaw(9.5, 50.0)]);
         assert_eq!(run.turns(), [(9.5, 0.5, 30.0)]);
         assert_eq!(run.outcome.tallies[Kind::Attitude].used, 3);
     }
 
     #[test]
-    fn does_not_cross_a_reset_of_the_estimator() {
+    fn no_rotation_crosses_a_reset_of_the_estimator() {
         let run = run(&[
             reset(3, 1.0, 0.0),
             reset(3, 2.0, 10.0),
@@ -206,14 +206,14 @@ mod the_relative_rotation {
     }
 
     #[test]
-    fn is_not_broken_by_a_reset_counter_that_is_missing_on_one_side() {
+    fn a_rotation_exists_where_the_reset_counter_is_missing_on_one_side() {
         let run = run(&[reset(3, 1.0, 0.0), yaw(2.0, 10.0), reset(4, 3.0, 30.0)]);
         assert_eq!(run.turns(), [(2.0, 1.0, 10.0), (3.0, 1.0, 20.0)]);
         assert_eq!(run.outcome.breaks, NO_BREAKS);
     }
 
     #[test]
-    fn spans_from_the_last_attitude_with_a_heading() {
+    fn a_rotation_spans_from_the_last_attitude_with_a_heading() {
         let run = run(&[
             yaw(1.0, 10.0),
             nose_up(2.0, 70.0),
@@ -227,30 +227,30 @@ mod the_relative_rotation {
     }
 
     #[test]
-    fn counts_its_gap_from_the_last_attitude_with_a_heading() {
+    fn a_rotation_counts_its_gap_from_the_last_attitude_with_a_heading() {
         let run = run(&[yaw(1.0, 10.0), nose_up(4.0, 0.0), yaw(7.0, 30.0)]);
         assert_eq!(run.turns(), []);
         assert_eq!(run.outcome.breaks, ONE_GAP);
     }
 }
 
-mod the_velocity {
+mod velocity {
     use super::*;
 
     #[test]
-    fn takes_the_attitude_at_its_own_time_and_needs_no_other() {
+    fn a_velocity_takes_the_attitude_at_its_own_time_and_needs_no_other() {
         let run = run(&[yaw(1.0, 30.0), north(1.0)]);
         assert_eq!(run.headings(), [(1.0, 30.0)]);
     }
 
     #[test]
-    fn takes_the_interpolated_attitude_between_two() {
+    fn a_velocity_between_two_attitudes_takes_the_interpolated_one() {
         let run = run(&[yaw(1.0, 350.0), north(1.25), north(2.5), yaw(3.0, 30.0)]);
         assert_eq!(run.headings(), [(1.25, 355.0), (2.5, 20.0)]);
     }
 
     #[test]
-    fn is_in_the_axes_of_the_tilted_camera() {
+    fn a_velocity_is_in_the_axes_of_the_tilted_camera() {
         let sinking = velocity(1.0, [0.0, 0.0, 2.0]);
         let run = run_at_depression(90.0, &[yaw(1.0, 30.0), sinking]);
         let Value::CameraVelocity(velocity) = run.derived[0].value else {
@@ -261,7 +261,7 @@ mod the_velocity {
 
     /// A drone that loops over backwards keeps its heading to the top and has the opposite one from there.
     #[test]
-    fn takes_the_interpolated_attitude_of_the_drone_and_not_of_the_camera() {
+    fn the_drones_attitude_is_interpolated_and_not_the_cameras() {
         let climb = [pitched(1.0, 0.0), north(1.8)];
         let fall = [north(2.0), pitched(2.5, 150.0)];
         let run = run(&[climb, fall].concat());
@@ -269,14 +269,14 @@ mod the_velocity {
     }
 
     #[test]
-    fn does_not_exist_where_the_interpolated_nose_is_vertical() {
+    fn a_velocity_where_the_interpolated_nose_is_vertical_is_dropped() {
         let run = run(&[pitched(1.0, 0.0), north(1.9), pitched(2.5, 150.0)]);
         assert_eq!(run.headings(), []);
         assert_eq!(run.dropped(Kind::Velocity), [(UndefinedHeading, 1)]);
     }
 
     #[test]
-    fn does_not_exist_at_an_attitude_without_a_heading() {
+    fn a_velocity_at_an_attitude_without_a_heading_is_dropped() {
         let run = run(&[yaw(1.0, 0.0), nose_up(2.0, 0.0), north(2.0), yaw(3.0, 0.0)]);
         assert_eq!(run.headings(), []);
         assert_eq!(run.dropped(Kind::Velocity), [(UndefinedHeading, 1)]);
@@ -284,7 +284,7 @@ mod the_velocity {
 
     /// Without the attitude at 2 s, the heading would turn evenly from 0° to 90°.
     #[test]
-    fn is_interpolated_on_either_side_of_an_attitude_without_a_heading() {
+    fn the_attitude_is_interpolated_on_either_side_of_one_without_a_heading() {
         let climb = run(&[yaw(1.0, 0.0), north(1.5), nose_up(2.0, 0.0), yaw(3.0, 90.0)]);
         assert_eq!(climb.headings(), [(1.5, 0.0)]);
         let fall = run(&[
@@ -297,7 +297,7 @@ mod the_velocity {
     }
 
     #[test]
-    fn is_not_extrapolated_before_the_first_attitude_or_after_the_last() {
+    fn a_velocity_outside_the_attitude_is_dropped() {
         let before = [north(0.5), north(0.999), yaw(1.0, 0.0), yaw(2.0, 0.0)];
         let after = [north(2.001), north(7.0), north(7.001), north(9e4)];
         let run = run(&[before, after].concat());
@@ -306,7 +306,7 @@ mod the_velocity {
     }
 
     #[test]
-    fn is_interpolated_over_the_maximum_gap_but_not_over_a_nanosecond_more() {
+    fn the_attitude_is_interpolated_over_the_maximum_gap_but_not_a_nanosecond_more() {
         let allowed = run(&[yaw(1.0, 0.0), north(3.5), yaw(6.0, 40.0)]);
         assert_eq!(allowed.headings(), [(3.5, 20.0)]);
 
@@ -316,7 +316,7 @@ mod the_velocity {
     }
 
     #[test]
-    fn is_dropped_inside_a_gap_however_far_from_its_ends() {
+    fn a_velocity_inside_a_gap_is_dropped_however_near_its_ends() {
         let gap = [yaw(1.0, 0.0), north(1.1), north(6.1), north(50.0)];
         let resumed = [yaw(99.0, 40.0), north(100.0), yaw(101.0, 60.0)];
         let run = run(&[&gap[..], &resumed].concat());
@@ -325,13 +325,13 @@ mod the_velocity {
     }
 
     #[test]
-    fn exists_at_the_very_ends_of_a_gap() {
+    fn a_velocity_at_either_end_of_a_gap_is_kept() {
         let run = run(&[yaw(1.0, 10.0), north(1.0), yaw(9.0, 40.0), north(9.0)]);
         assert_eq!(run.headings(), [(1.0, 10.0), (9.0, 40.0)]);
     }
 
     #[test]
-    fn is_dropped_across_a_reset_of_the_estimator_but_not_beside_it() {
+    fn a_velocity_across_a_reset_of_the_estimator_is_dropped_but_not_next_to_it() {
         let before = [reset(1, 1.0, 0.0), north(1.0), north(1.5)];
         let after = [reset(2, 2.0, 90.0), north(2.0), north(2.5)];
         let end = [reset(2, 3.0, 100.0)];
@@ -341,17 +341,17 @@ mod the_velocity {
     }
 
     #[test]
-    fn is_interpolated_where_the_reset_counter_is_missing_on_one_side() {
+    fn the_attitude_is_interpolated_where_the_reset_counter_is_missing_on_one_side() {
         let run = run(&[reset(1, 1.0, 0.0), north(1.5), yaw(2.0, 20.0)]);
         assert_eq!(run.headings(), [(1.5, 10.0)]);
     }
 }
 
-mod of_two_at_the_same_time {
+mod simultaneous_samples {
     use super::*;
 
     #[test]
-    fn the_second_attitude_is_dropped() {
+    fn the_second_of_two_simultaneous_attitudes_is_dropped() {
         let run = run(&[yaw(1.0, 10.0), yaw(1.0, 70.0), north(1.0), yaw(2.0, 30.0)]);
         assert_eq!(run.headings(), [(1.0, 10.0)]);
         assert_eq!(run.turns(), [(2.0, 1.0, 20.0)]);
@@ -359,7 +359,7 @@ mod of_two_at_the_same_time {
     }
 
     #[test]
-    fn the_second_attitude_is_dropped_even_if_the_first_has_no_heading() {
+    fn the_second_of_two_simultaneous_attitudes_is_dropped_even_if_the_first_has_no_heading() {
         let run = run(&[yaw(1.0, 10.0), nose_up(2.0, 0.0), yaw(2.0, 70.0)]);
         assert_eq!(run.turns(), []);
         let expected = [(DuplicateTime, 1), (UndefinedHeading, 1)];
@@ -367,7 +367,7 @@ mod of_two_at_the_same_time {
     }
 
     #[test]
-    fn the_second_velocity_is_dropped() {
+    fn the_second_of_two_simultaneous_velocities_is_dropped() {
         let at_attitude = [yaw(1.0, 0.0), north(1.0), east(1.0)];
         let between = [north(1.5), east(1.5), east(1.5), yaw(2.0, 0.0)];
         let run = run(&[&at_attitude[..], &between].concat());

@@ -1,7 +1,6 @@
-//! What the transform makes of a gimbal that the log tells of, and of velocities in the drone's axes: one
-//! behaviour a test.
+//! What the transform makes of the log's gimbal, and of velocities in the drone's axes: one behaviour a test.
 //!
-//! Times are seconds and angles degrees. Where nothing else is said the gimbal looks at the horizon, to the
+//! Times are seconds and angles degrees. By default the gimbal looks at the horizon, to the
 //! right of the nose by its angle, and the drone flies north.
 
 use flightcam::camera::{Camera, Mount};
@@ -133,11 +132,11 @@ impl Run {
     }
 }
 
-mod the_gimbal {
+mod gimbal_track {
     use super::*;
 
     #[test]
-    fn is_taken_at_the_time_of_the_attitude() {
+    fn the_gimbal_is_taken_at_the_time_of_the_attitude() {
         let first = [gimbal(1.0, 10.0), yaw(1.0, 100.0)];
         let second = [gimbal(2.0, 25.0), yaw(2.0, 105.0)];
         let run = run(&[first, second].concat());
@@ -147,7 +146,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn is_interpolated_along_the_shorter_arc_between_samples_at_another_rate() {
+    fn the_gimbal_is_interpolated_along_the_shorter_arc_between_samples_at_another_rate() {
         let slow = [gimbal(1.0, 350.0), yaw(1.0, 0.0), north(1.5), yaw(2.0, 0.0)];
         let end = [gimbal(3.0, 30.0), yaw(3.0, 0.0)];
         let run = run(&[&slow[..], &end].concat());
@@ -156,7 +155,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn is_not_extrapolated() {
+    fn the_gimbal_is_not_extrapolated() {
         let before = [yaw(0.5, 0.0), north(0.6), gimbal(1.0, 0.0), yaw(1.0, 0.0)];
         let after = [yaw(2.0, 5.0), gimbal(2.5, 0.0), yaw(3.0, 0.0), north(3.0)];
         let run = run(&[before, after].concat());
@@ -167,7 +166,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn is_interpolated_over_the_maximum_gap_but_not_over_a_nanosecond_more() {
+    fn the_gimbal_is_interpolated_over_the_maximum_gap_but_not_a_nanosecond_more() {
         let over = |end| {
             run(&[
                 gimbal(1.0, 0.0),
@@ -184,7 +183,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn drops_what_lies_in_its_gap_however_far_from_the_ends() {
+    fn samples_inside_a_gap_of_the_gimbal_are_dropped_however_near_its_ends() {
         let gap = [gimbal(1.0, 0.0), yaw(1.5, 0.0), yaw(6.1, 0.0), north(6.1)];
         let resumed = [yaw(50.0, 0.0), gimbal(60.0, 0.0), yaw(60.0, 0.0)];
         let run = run(&[&gap[..], &resumed, &[yaw(99.0, 0.0)]].concat());
@@ -194,7 +193,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn is_not_interpolated_between_references_but_known_at_either() {
+    fn the_gimbal_is_not_interpolated_between_references_but_known_at_either() {
         let earth = [
             gimbal_from(Earth, 1.0, 10.0),
             yaw(1.0, 90.0),
@@ -208,7 +207,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn leaves_an_attitude_without_it_good_to_interpolate_the_drone_from() {
+    fn an_attitude_without_a_gimbal_still_serves_to_interpolate_the_drone() {
         let first = [gimbal_from(Earth, 1.0, 0.0), yaw(1.0, 0.0), yaw(1.8, 0.0)];
         let second = [
             gimbal(2.0, 0.0),
@@ -222,7 +221,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn that_is_measured_from_the_earth_needs_no_heading() {
+    fn a_gimbal_measured_from_the_earth_needs_no_heading() {
         let run_from = |from| run(&[gimbal_from(from, 1.0, 70.0), nose_up(1.0), north(1.0)]);
         assert_eq!(run_from(Earth).headings(), [(1.0, 70.0)]);
         let undefined = run_from(Heading);
@@ -231,7 +230,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn is_taken_from_the_first_sample_of_two_at_the_same_time() {
+    fn the_first_of_two_simultaneous_gimbal_samples_is_used() {
         let run = run(&[
             gimbal(1.0, 10.0),
             gimbal(1.0, 70.0),
@@ -244,7 +243,7 @@ mod the_gimbal {
     }
 
     #[test]
-    fn is_ignored_by_a_camera_that_does_not_follow_it() {
+    fn the_gimbal_is_ignored_by_a_camera_that_does_not_follow_it() {
         let level = Camera::Fixed(Mount::from_degrees(0.0, 0.0, 0.0).expect("in range"));
         let samples = [gimbal(1.0, 10.0), yaw(1.0, 3.0), north(1.0)];
         let run = run_with(level, &samples);
@@ -253,11 +252,11 @@ mod the_gimbal {
     }
 }
 
-mod the_reason_for_a_dropped_velocity {
+mod drop_reason {
     use super::*;
 
     #[test]
-    fn is_the_attitude_before_the_gimbal_before_the_heading() {
+    fn a_velocity_is_dropped_for_the_attitude_before_the_gimbal_before_the_heading() {
         let nothing = run(&[north(1.0)]);
         assert_eq!(nothing.dropped(Kind::Velocity), [(OutsideAttitude, 1)]);
 
@@ -309,7 +308,7 @@ fn flight(kinds: impl Fn(f64) -> Vec<Kind>) -> Vec<Sample> {
 
 /// By what the transform shows of itself: a tenth of what it would show if it held a minute of samples.
 #[test]
-fn what_is_held_back_is_bounded_by_the_maximum_gap_whatever_stops() {
+fn samples_held_back_are_bounded_by_the_maximum_gap_whatever_stops() {
     use Kind::{Attitude, Gimbal, Velocity};
     let stops = |kind: Kind| {
         flight(move |time| {

@@ -285,7 +285,7 @@ proptest! {
     #![proptest_config(crate::support::cases(2000))]
 
     #[test]
-    fn the_transform_is_its_model(camera in any_camera(), samples in any_stream()) {
+    fn the_transform_gives_what_the_model_gives(camera in any_camera(), samples in any_stream()) {
         let expected = model::expected(&camera, &samples);
         let max_gap = MaxGap::from_seconds(MAX_GAP_SECONDS).expect("in range");
         let mut transform = Transform::new(camera, max_gap);

@@ -1,4 +1,4 @@
-//! Appending never disturbs: whatever the shape of the log, the result holds every byte and every message.
+//! Appending disturbs nothing: whatever the shape of the log, the result has every byte and every message.
 
 use std::ops::ControlFlow;
 
@@ -36,7 +36,7 @@ fn the_demonstration_log_keeps_all_that_it_had() {
 }
 
 #[test]
-fn an_output_that_somebody_else_makes_meanwhile_is_not_overwritten() {
+fn an_output_that_another_program_creates_meanwhile_is_not_overwritten() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = folder.path().join("result.mcap");
     let fixture = repository("fixtures/survey_flight.mcap");
@@ -77,7 +77,7 @@ proptest! {
     }
 
     #[test]
-    fn a_log_that_breaks_off_anywhere_is_enriched_up_to_there(shape in any_shape(), at in 0.0..1.0) {
+    fn a_truncated_log_is_enriched_up_to_its_end(shape in any_shape(), at in 0.0..1.0) {
         let log = shape.write();
         let torn = &log[..(at * log.len() as f64) as usize];
         match enrich_bytes(torn) {
@@ -182,7 +182,7 @@ fn the_data_section_may_end_without_a_data_end_record() {
 }
 
 #[test]
-fn zeros_that_a_file_system_left_are_not_records() {
+fn zeros_left_by_a_file_system_are_not_records() {
     let log = Shape::with(|options| options.emit_summary_records(false)).write();
     let parts = Parts::of(&log);
     let mut zeros = mcap::MAGIC.to_vec();
@@ -198,7 +198,7 @@ fn zeros_that_a_file_system_left_are_not_records() {
 }
 
 #[test]
-fn a_summary_with_wrong_statistics_is_put_right() {
+fn wrong_statistics_in_the_summary_are_corrected() {
     for spoil in [
         (|s: &mut Statistics| s.message_count += 1) as fn(&mut Statistics),
         |s| s.chunk_count = 0,
@@ -223,7 +223,7 @@ fn a_summary_with_wrong_statistics_is_put_right() {
 }
 
 #[test]
-fn a_summary_that_forgets_a_chunk_is_completed() {
+fn a_summary_that_lacks_a_chunk_is_completed() {
     let mut parts = Parts::of(&Shape::default().write());
     let forgotten = parts
         .summary
@@ -309,7 +309,7 @@ fn ids_are_the_next_above_the_largest_or_the_lowest_free() {
 }
 
 #[test]
-fn an_id_that_only_a_chunk_a_count_or_an_index_has_is_not_given_again() {
+fn an_id_that_only_a_chunk_a_count_or_an_index_has_is_not_reused() {
     // Channel 3 is defined in the last chunk, has no messages, and is not in the summary, but for its trace.
     let log = |trace: fn(&mut Statistics), in_index: bool| {
         let mut parts = Parts::of(&Shape::with(|options| options.compression(None)).write());
@@ -399,7 +399,7 @@ fn whole_length(records: &[(u8, Vec<u8>)]) -> u64 {
 }
 
 #[test]
-fn damage_in_the_middle_of_a_closed_log_is_not_taken_for_its_end() {
+fn damage_in_the_middle_of_a_closed_log_is_not_mistaken_for_its_end() {
     let mut parts = Parts::of(&Shape::with(|options| options.emit_statistics(false)).write());
     let middle = parts.data.len() / 2;
     parts
@@ -443,7 +443,7 @@ fn a_log_that_uses_every_channel_id_is_refused() {
 }
 
 #[test]
-fn an_index_that_says_a_chunk_starts_later_than_it_does_is_found_out() {
+fn an_index_with_a_wrong_start_time_is_an_error() {
     let mut parts = Parts::of(&Shape::default().write());
     for (opcode, body) in &mut parts.summary {
         if *opcode == op::CHUNK_INDEX {
@@ -459,7 +459,7 @@ fn an_index_that_says_a_chunk_starts_later_than_it_does_is_found_out() {
 }
 
 #[test]
-fn a_chunk_with_a_flipped_bit_is_found_out() {
+fn a_chunk_with_a_flipped_bit_is_an_error() {
     let log = Shape::with(|options| options.compression(None)).write();
     let at = log
         .windows(7)

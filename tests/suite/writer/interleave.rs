@@ -1,5 +1,5 @@
-//! `--layout interleaved`: whatever the shape of the log, what was derived lies where it belongs, and nothing that
-//! the log held is lost.
+//! The interleaved layout: whatever the shape of the log, derived messages are where they belong, and nothing that
+//! the log has is lost.
 
 use std::{
     borrow::Cow,
@@ -44,7 +44,7 @@ proptest! {
     }
 
     #[test]
-    fn a_log_that_breaks_off_anywhere_is_interleaved_up_to_there(shape in any_shape(), at in 0.3..1.0) {
+    fn a_truncated_log_is_interleaved_up_to_its_end(shape in any_shape(), at in 0.3..1.0) {
         let log = shape.write();
         let torn = &log[..(at * log.len() as f64) as usize];
         // What is refused is refused in every layout.
@@ -128,7 +128,7 @@ fn in_the_demonstration_log_each_chunk_is_followed_by_what_was_derived_from_it()
 }
 
 #[test]
-fn a_reader_that_streams_a_log_in_time_order_meets_every_message_in_its_time() {
+fn a_streaming_reader_of_an_ordered_log_gets_every_message_in_time_order() {
     let (result, _) = interleave(&Shape::default().write());
     let messages = stream(&result, false);
     for (place, message) in messages.iter().enumerate() {
@@ -137,13 +137,13 @@ fn a_reader_that_streams_a_log_in_time_order_meets_every_message_in_its_time() {
         }
         let time = message.log_time;
         assert!(messages[place..].iter().all(|later| later.log_time >= time));
-        let sample = |earlier: &Read| earlier.topic == TELEMETRY && earlier.log_time == time;
+        let sample = |earlier: &ReadMessage| earlier.topic == TELEMETRY && earlier.log_time == time;
         assert!(messages[..place].iter().any(sample));
     }
 }
 
 #[test]
-fn where_chunks_overlap_completely_the_derived_messages_come_last() {
+fn derived_messages_come_last_where_chunks_overlap_completely() {
     let shape = Shape {
         topic_after_topic: true,
         ..Shape::default()
@@ -162,7 +162,7 @@ fn where_chunks_overlap_completely_the_derived_messages_come_last() {
 }
 
 #[test]
-fn what_follows_from_a_long_chunk_is_written_as_several() {
+fn messages_derived_from_a_long_chunk_are_written_in_several_chunks() {
     let fixture = fs::read(repository("fixtures/survey_flight.mcap")).expect("the fixture");
     let mut parts = Parts::of(&fixture);
     // Outside chunks, without any sense of order: one run, as long as a run gets.
@@ -226,7 +226,7 @@ fn chunks_without_message_indexes_get_them() {
 }
 
 #[test]
-fn message_indexes_that_leave_a_channel_out_are_no_indexes() {
+fn message_indexes_that_lack_a_channel_are_written_anew() {
     let mut parts = Parts::of(&Shape::default().write());
     let is_index = |record: &(u8, Vec<u8>)| record.0 == op::MESSAGE_INDEX;
     let left_out = parts.data.iter().position(is_index);
@@ -346,10 +346,10 @@ fn the_checksum_covers_messages_outside_chunks() {
     assert_ne!(Parts::of(&result).data_section_crc, 0);
 }
 
-// ---- What can be done with it ----
+// ---- In use ----
 
 #[test]
-fn an_enriched_log_gives_what_its_original_gives() {
+fn interleaving_an_enriched_log_gives_what_its_original_gives() {
     let log = Shape::default().write();
     let (appended, _) = enrich_bytes(&log).expect("a result");
     let (of_enriched, report) = interleave(&appended);
@@ -377,7 +377,7 @@ fn a_stream_gets_the_same_bytes_as_a_file() {
 }
 
 #[test]
-fn there_is_no_way_back_and_it_is_said() {
+fn interleaving_cannot_be_undone_and_the_report_says_so() {
     let (result, _) = interleave(&Shape::default().write());
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = folder.path().join("log.mcap");
@@ -410,7 +410,7 @@ fn there_is_no_way_back_and_it_is_said() {
 }
 
 #[test]
-fn it_is_not_done_in_place() {
+fn interleaving_is_not_done_in_place() {
     let before = Shape::default().write();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = folder.path().join("log.mcap");
@@ -421,7 +421,7 @@ fn it_is_not_done_in_place() {
     assert!(fs::read(&log).expect("the log") == before);
 }
 
-/// An output that takes nothing before whoever watches was told so often that there is progress.
+/// An output that takes nothing before progress was reported that many times.
 struct Stalled {
     told: Receiver<()>,
     bytes: Vec<u8>,
@@ -443,7 +443,7 @@ impl io::Write for Stalled {
 }
 
 #[test]
-fn whoever_watches_is_asked_while_the_output_stalls() {
+fn a_run_can_be_stopped_while_its_output_stalls() {
     let (tell, told) = mpsc::channel();
     let bytes = Vec::new();
     let mut output = Stalled { told, bytes };
@@ -460,7 +460,7 @@ fn whoever_watches_is_asked_while_the_output_stalls() {
 }
 
 #[test]
-fn progress_comes_to_its_end_and_can_be_stopped_anywhere() {
+fn progress_reaches_its_end_and_can_be_stopped_anywhere() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let input = folder.path().join("log.mcap");
     let output = folder.path().join("result.mcap");

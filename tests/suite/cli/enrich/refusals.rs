@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_file_that_is_no_log_is_refused_with_advice() {
+fn a_file_that_is_not_a_log_is_refused_with_advice() {
     let garbage = [mcap::MAGIC, &[0xc5; 300]].concat();
     let cases: [(&[u8], &str); 8] = [
         (b"roll,pitch,yaw\n", "magic bytes … the log you meant"),
@@ -35,7 +35,7 @@ fn an_input_that_is_a_folder_is_refused() {
 }
 
 #[test]
-fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_there_is() {
+fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_it_has() {
     let battery = topic("/battery", [json!({ "voltage": 15.9 })]);
     let attitude = topic(
         "/imu",
@@ -65,7 +65,7 @@ fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_there_is
 }
 
 #[test]
-fn of_topics_that_fit_equally_well_the_user_chooses() {
+fn topics_that_fit_equally_well_are_refused_with_how_to_choose() {
     let twins = ["/left", "/right"].map(|name| topic(name, states(5, 1.0)));
     let message = "flight.mcap: /left and /right fit equally well … --attitude /left";
     Folder::with(LOG, log(&twins)).refuses(&enrich(""), 1, message);
@@ -136,7 +136,7 @@ fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
 }
 
 #[test]
-fn a_profile_that_is_none_is_refused_with_the_place_and_the_choice() {
+fn an_invalid_profile_is_refused_with_its_position_and_the_known_names() {
     let folder = Folder::with_flight();
     folder.add("torn.toml", "name = \"torn\"\n[attitude\n");
     folder.add("typo.toml", profile("roll").replace("topics", "topic"));
@@ -188,7 +188,7 @@ fn numbers_out_of_range_are_wrong_arguments() {
 }
 
 #[test]
-fn an_output_that_cannot_be_is_refused() {
+fn an_impossible_output_is_refused() {
     let folder = Folder::with_flight();
     folder.add("results/monday.mcap", "");
     for (output, message) in [
@@ -273,7 +273,7 @@ fn a_log_without_a_usable_sample_is_refused_with_the_counts() {
 }
 
 #[test]
-fn damage_that_is_found_when_half_is_written_leaves_nothing_behind() {
+fn damage_found_halfway_leaves_no_output() {
     let mut flight = fs::read(FIXTURE).unwrap();
     flight[200_000..200_100].fill(0xff);
     let message = "flight.mcap: damaged at byte … mcap recover";

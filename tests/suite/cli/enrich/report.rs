@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn the_result_lies_beside_the_log_and_the_report_tells_how_it_came_about() {
+fn the_result_is_next_to_the_log_and_the_report_says_how_it_was_made() {
     let folder = Folder::with("logs/flight.mcap", fs::read(FIXTURE).unwrap());
     let result = "logs/flight.enriched.mcap";
     let report = folder.writes(result, "enrich logs/flight.mcap --depression 30", 0);
@@ -85,7 +85,7 @@ fn a_run_that_takes_a_while_draws_no_progress_bar_into_a_pipe() {
 }
 
 #[test]
-fn without_a_velocity_there_are_rotations_and_the_reason() {
+fn a_log_without_velocity_yields_rotations_and_the_reason() {
     for (missing, arguments, reason) in [
         ("altitude", "--profile mine.toml", "`mine` has no velocity"),
         (
@@ -108,7 +108,7 @@ fn without_a_velocity_there_are_rotations_and_the_reason() {
 }
 
 #[test]
-fn a_log_that_breaks_off_gives_what_it_has_and_exit_code_3() {
+fn a_truncated_log_is_enriched_up_to_its_end_with_exit_code_3() {
     let whole = fs::read(FIXTURE).unwrap();
     let length = whole.len() * 6 / 10;
     let folder = Folder::with(LOG, &whole[..length]);

@@ -58,7 +58,7 @@ pub fn unsaid_conventions(profile: &str) -> Vec<String> {
         };
         let unsaid = move |alternative: Value| {
             let alternative = match role {
-                // Its conventions stand beside its fields.
+                // Its conventions are next to its fields.
                 "position" => ["geodetic", "local"]
                     .into_iter()
                     .find_map(|kind| alternative.get(kind).cloned()),
@@ -93,7 +93,7 @@ fn mutate(role: &str, value: &Value, variants: &mut Vec<Variant>) {
     }
 }
 
-/// What may stand wrongly in a key's place.
+/// What may wrongly be in a key's place.
 fn replacements(role: &str, key: &str, value: &Value) -> Vec<Variant> {
     let others = |all: &[&str]| -> Vec<Variant> {
         let others = all.iter().filter(|&&other| value.as_str() != Some(other));
@@ -120,7 +120,7 @@ fn replacements(role: &str, key: &str, value: &Value) -> Vec<Variant> {
         ("has_bits", Value::Integer(32)) => number(80),
         ("has_bits", _) => number(32),
         ("valid", Value::Array(fields)) => without_each(fields),
-        // A message's numbers, with the scalar part taken from where it is not.
+        // A message's numbers, with the scalar part taken from the wrong place.
         ("quaternion", Value::String(field)) => {
             let fields = ["x", "y", "z", "w"].map(|name| format!("{field}.{name}"));
             vec![(

@@ -2,7 +2,7 @@
 
 use super::{
     flight::Flight,
-    logbook::Logbook,
+    recorder::Recorder,
     recording::Recording,
     ros::{Ros, ros2},
 };
@@ -29,7 +29,7 @@ pub fn recordings() -> Vec<Recording> {
 }
 
 fn recording(name: &str, flight: Flight, write: fn(Ros)) -> Recording {
-    let write = move |flight: &Flight, log: &mut Logbook| {
+    let write = move |flight: &Flight, log: &mut Recorder| {
         write(Ros {
             flight,
             log,

@@ -62,25 +62,25 @@ pub fn read(name: &str) -> String {
 /// The fields of a ROS message, from `FOLDER/package/Name.msg`, and the text that recorders put into a log:
 /// its definition and those of all that it refers to.
 pub fn ros(folder: &str, message: &str) -> (Vec<Field>, String) {
-    let mut told = Vec::new();
+    let mut written = Vec::new();
     let mut text = String::new();
-    let fields = ros_message(folder, message, &mut told, &mut text);
+    let fields = ros_message(folder, message, &mut written, &mut text);
     (fields, text)
 }
 
 fn ros_message(
     folder: &str,
     message: &str,
-    told: &mut Vec<String>,
+    written: &mut Vec<String>,
     text: &mut String,
 ) -> Vec<Field> {
     let definition = read(&format!("{folder}/{message}.msg"));
-    if !told.iter().any(|earlier| earlier == message) {
-        if !told.is_empty() {
+    if !written.iter().any(|earlier| earlier == message) {
+        if !written.is_empty() {
             text.push_str(&format!("\n{}\nMSG: {message}\n", "=".repeat(80)));
         }
         text.push_str(&definition);
-        told.push(message.to_owned());
+        written.push(message.to_owned());
     }
     let (package, _) = message.split_once('/').expect("a package");
     let lines = definition
@@ -101,7 +101,7 @@ fn ros_message(
                         false if kind == "Header" => "std_msgs/Header".to_owned(),
                         false => format!("{package}/{kind}"),
                     };
-                    Kind::Message(ros_message(folder, &message, told, text))
+                    Kind::Message(ros_message(folder, &message, written, text))
                 }),
                 count,
             }

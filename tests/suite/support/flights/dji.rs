@@ -3,7 +3,7 @@
 use super::{
     definition::Wanted,
     flight::{self, Flight},
-    logbook::Logbook,
+    recorder::Recorder,
     recording::{Recording, Reference},
     ros::{self, Ros, ros1},
 };
@@ -30,7 +30,7 @@ pub fn recordings() -> Vec<Recording> {
 }
 
 fn recording(name: &str, write: fn(Ros)) -> Recording {
-    let write = move |flight: &Flight, log: &mut Logbook| {
+    let write = move |flight: &Flight, log: &mut Recorder| {
         write(Ros {
             flight,
             log,

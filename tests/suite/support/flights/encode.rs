@@ -1,4 +1,4 @@
-//! Messages as bytes: CDR, ROS 1, protobuf and JSON, with junk in every field that nobody wants.
+//! Messages as bytes: CDR, ROS 1, protobuf and JSON, with junk in every field that is not wanted.
 
 use serde_json::Value as Json;
 

@@ -1,4 +1,4 @@
-//! Loggers of one's own, which write everything into one message, each with its own names.
+//! Users' own loggers, which write everything into one message, each with its own names.
 
 use std::{collections::BTreeSet, fs};
 
@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 use super::{
     definition::Wanted,
     flight::{self, Angles, Flight},
-    logbook::{Logbook, Schema},
+    recorder::{Recorder, Schema},
     recording::Recording,
 };
 
-/// What a message says, by the paths of its fields.
+/// What a message has, by the paths of its fields.
 type Names = [&'static str; 3];
 
 const ATTITUDE: [Names; 5] = [
@@ -71,7 +71,7 @@ fn in_all_spellings(profile: &'static str, unit: fn(Angles) -> Angles) -> Vec<Re
             None => (GEODETIC[place], false),
         };
         let name = format!("{}, {}, {}", attitude[0], velocity[0], position[0]);
-        let write = move |flight: &Flight, log: &mut Logbook| {
+        let write = move |flight: &Flight, log: &mut Recorder| {
             let messages = flight.attitude_times.iter().map(|&time| {
                 let place = match is_local {
                     true => flight::local(time).into(),
@@ -102,7 +102,7 @@ fn demonstration() -> Recording {
     );
     let definition = fs::read_to_string(file).expect("the definition");
     let schema = Schema::protobuf(&definition, "demo.DroneState");
-    let write = move |flight: &Flight, log: &mut Logbook| {
+    let write = move |flight: &Flight, log: &mut Recorder| {
         let messages = flight.attitude_times.iter().map(|&time| {
             let wanted = Wanted::new()
                 .numbers(ATTITUDE[0], flight::attitude(time))
@@ -137,7 +137,7 @@ pub fn reference(flight: &Flight) -> Vec<u8> {
         }
         (time, message)
     });
-    let mut log = Logbook::new();
+    let mut log = Recorder::new();
     log.json("/reference", Some(&schema), messages);
     log.finish()
 }

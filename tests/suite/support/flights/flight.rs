@@ -1,4 +1,4 @@
-//! What was flown, and how the world's conventions say it.
+//! The flight, in the conventions of its publishers.
 
 use std::f64::consts::{PI, TAU};
 
@@ -86,7 +86,7 @@ impl Flight {
         }
     }
 
-    /// How the drone lies (FRD in NED) at a time of an attitude sample, or between two of them.
+    /// The drone's attitude (FRD in NED) at the time of an attitude sample, or between two of them.
     pub fn attitude(&self, time: u64) -> UnitQuaternion<f64> {
         slerp(&self.attitude_times, time, attitude)
     }
@@ -102,7 +102,7 @@ impl Flight {
     }
 }
 
-/// How the drone lies: through all quadrants, and more than once around.
+/// The drone's attitude: through all quadrants, and more than once around.
 pub fn attitude(time: u64) -> Angles {
     let t = seconds(time);
     let roll = 2.9 * (1.3 * t + 0.4).sin();
@@ -121,7 +121,7 @@ pub fn velocity(time: u64) -> Vector3<f64> {
     )
 }
 
-/// How the gimbal holds the camera: slightly rolled, looking down, to the left and right of behind.
+/// The camera's orientation on the gimbal: slightly rolled, looking down, to the left and right of backwards.
 pub fn gimbal(time: u64) -> Angles {
     let t = seconds(time);
     let roll = 0.2 * (1.1 * t).sin();
@@ -188,7 +188,7 @@ fn wrap(angle: f64) -> f64 {
 }
 
 /// The rotation at one of the times, or between two of them: as far along the shorter arc as in time. Every third
-/// has the other sign, which says the same.
+/// has the other sign, which means the same.
 fn slerp(times: &[u64], time: u64, angles: impl Fn(u64) -> Angles) -> UnitQuaternion<f64> {
     let at = |place: usize| match quaternion(angles(times[place])) {
         q if place.is_multiple_of(3) => UnitQuaternion::new_unchecked(-q.into_inner()),

@@ -3,7 +3,7 @@
 use super::{
     definition::Wanted,
     flight::Flight,
-    logbook::{Logbook, Schema},
+    recorder::{Recorder, Schema},
     recording::{Recording, Reference},
     ros::{Ros, ros1, ros2, ros2_big_endian},
 };
@@ -75,7 +75,7 @@ pub fn recordings() -> Vec<Recording> {
 }
 
 fn recording(name: &str, schema: fn(&str) -> Schema, flight: Flight, write: fn(Ros)) -> Recording {
-    let write = move |flight: &Flight, log: &mut Logbook| {
+    let write = move |flight: &Flight, log: &mut Recorder| {
         write(Ros {
             flight,
             log,

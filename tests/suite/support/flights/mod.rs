@@ -2,12 +2,12 @@
 //!
 //! Nothing here uses flightcam. Conventions are turned by matrices written out in [`flight`], messages are
 //! written by encoders of our own in [`encode`], from the publishers' own definitions in `definitions/`. Fields
-//! that nobody asks for are full of junk.
+//! that no profile reads are full of junk.
 
 pub mod definition;
 pub mod encode;
 pub mod flight;
-pub mod logbook;
+pub mod recorder;
 pub mod recording;
 
 mod ardupilot;

@@ -3,7 +3,7 @@
 use super::{
     definition::{self, Wanted},
     flight::{self, Flight},
-    logbook::{Logbook, Schema},
+    recorder::{Recorder, Schema},
     recording::Recording,
     ros::{self, Ros, ros1, ros2},
 };
@@ -55,12 +55,12 @@ pub fn recordings() -> Vec<Recording> {
 fn recording(
     name: &str,
     flight: Flight,
-    write: impl Fn(&Flight, &mut Logbook) + 'static,
+    write: impl Fn(&Flight, &mut Recorder) + 'static,
 ) -> Recording {
     Recording::new("nav-msgs", name, flight, write).with_local(1e-9)
 }
 
-fn put(flight: &Flight, log: &mut Logbook, schema: &Schema, wanted: impl Fn(u64) -> Wanted) {
+fn put(flight: &Flight, log: &mut Recorder, schema: &Schema, wanted: impl Fn(u64) -> Wanted) {
     let messages = flight
         .attitude_times
         .iter()

@@ -5,13 +5,13 @@ use nalgebra::Vector3;
 use super::{
     definition::Wanted,
     flight::{self, Flight},
-    logbook::{Logbook, Schema},
+    recorder::{Recorder, Schema},
 };
 
 /// A log of PX4's messages.
 pub struct Px4<'a> {
     pub flight: &'a Flight,
-    pub log: &'a mut Logbook,
+    pub log: &'a mut Recorder,
     /// The topic of a message, `vehicle_attitude`.
     pub topic: fn(&str) -> String,
     /// The type of a message: its release, its name in px4_msgs, and its name in uORB.
@@ -25,7 +25,7 @@ pub enum VelocityFrame {
     BodyFrd,
 }
 
-/// What a message says that cannot be used.
+/// The content of a message that cannot be used.
 const WRONG: Vector3<f64> = Vector3::new(77.0, -66.0, 55.0);
 const WRONG_ATTITUDE: [f64; 4] = [0.5, 0.5, -0.5, 0.5];
 

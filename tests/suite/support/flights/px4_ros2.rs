@@ -2,8 +2,8 @@
 
 use super::{
     flight::Flight,
-    logbook::{Logbook, Schema},
     px4::{Px4, VelocityFrame::*},
+    recorder::{Recorder, Schema},
     recording::{Recording, Reference},
 };
 
@@ -105,7 +105,7 @@ fn legacy(name: &str, flight: Flight, write: fn(Px4)) -> Recording {
 }
 
 fn bridged(name: &str, flight: Flight, topic: fn(&str) -> String, write: fn(Px4)) -> Recording {
-    let write = move |flight: &Flight, log: &mut Logbook| {
+    let write = move |flight: &Flight, log: &mut Recorder| {
         write(Px4 {
             flight,
             log,

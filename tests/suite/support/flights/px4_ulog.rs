@@ -4,8 +4,8 @@ use super::{
     definition::{self, Count, Field, Kind, Number},
     encode::Layout,
     flight::Flight,
-    logbook::{Logbook, Schema},
     px4::Px4,
+    recorder::{Recorder, Schema},
     recording::{Recording, Reference},
 };
 
@@ -59,13 +59,13 @@ pub fn recordings() -> Vec<Recording> {
 const FLOAT_METRES: f64 = 1e-4;
 const MILLIMETRE: f64 = 1e-3;
 
-fn recording(name: &str, write: impl Fn(&Flight, &mut Logbook) + 'static) -> Recording {
+fn recording(name: &str, write: impl Fn(&Flight, &mut Recorder) + 'static) -> Recording {
     Recording::new("px4-ulog", name, Flight::new(), write).with_floats()
 }
 
 fn converted<'a>(
     flight: &'a Flight,
-    log: &'a mut Logbook,
+    log: &'a mut Recorder,
     topic: fn(&str) -> String,
     schema: fn(&str, &str, &str) -> Schema,
 ) -> Px4<'a> {

@@ -1,6 +1,6 @@
 //! A flight as one publisher recorded it.
 
-use super::{flight::Flight, logbook::Logbook};
+use super::{flight::Flight, recorder::Recorder};
 
 /// A flight, and how it is written down.
 pub struct Recording {
@@ -9,16 +9,16 @@ pub struct Recording {
     /// The profile that should understand it.
     pub profile: &'static str,
     pub flight: Flight,
-    /// How exact the numbers are that say attitude, velocity and gimbal.
+    /// How exact the numbers of attitude, velocity and gimbal are.
     pub precision: Precision,
     /// What the gimbal's angles are measured from, where the log has them.
     pub gimbal: Option<Reference>,
-    /// What the log says of the position.
+    /// What the log has of the position.
     pub position: Option<Position>,
     write: Write,
 }
 
-type Write = Box<dyn Fn(&Flight, &mut Logbook)>;
+type Write = Box<dyn Fn(&Flight, &mut Recorder)>;
 
 /// How exact numbers are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// How far derived angles (rad) and velocities (m/s) may lie from those of the same flight in doubles:
+    /// How far derived angles (rad) and velocities (m/s) may be from those of the same flight in doubles:
     /// 1e-9, and for float32 what its 24 bits leave of velocities below 20 m/s, turned by angles of 24 bits.
     pub fn tolerance(self) -> f64 {
         match self {
@@ -48,7 +48,7 @@ pub enum Reference {
     Airframe,
 }
 
-/// What a log says of the position, and to how many metres.
+/// What a log has of the position, and how exactly in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Position {
     Geodetic { tolerance: f64 },
@@ -61,7 +61,7 @@ impl Recording {
         profile: &'static str,
         name: &str,
         flight: Flight,
-        write: impl Fn(&Flight, &mut Logbook) + 'static,
+        write: impl Fn(&Flight, &mut Recorder) + 'static,
     ) -> Self {
         Self {
             name: format!("{profile}: {name}"),
@@ -101,20 +101,20 @@ impl Recording {
     }
 
     /// Adds the flight to a log.
-    pub fn write(&self, log: &mut Logbook) {
+    pub fn write(&self, log: &mut Recorder) {
         (self.write)(&self.flight, log);
     }
 
     /// The flight in a log of its own.
     pub fn log(&self) -> Vec<u8> {
-        let mut log = Logbook::new();
+        let mut log = Recorder::new();
         self.write(&mut log);
         log.finish()
     }
 
     /// The topics that it has.
     pub fn topics(&self) -> Vec<String> {
-        let mut log = Logbook::new();
+        let mut log = Recorder::new();
         self.write(&mut log);
         log.topics().to_vec()
     }

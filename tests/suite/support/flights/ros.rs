@@ -5,13 +5,13 @@ use nalgebra::UnitQuaternion;
 use super::{
     definition::Wanted,
     flight::{self, Flight},
-    logbook::{Logbook, Schema},
+    recorder::{Recorder, Schema},
 };
 
 /// A log of ROS messages.
 pub struct Ros<'a> {
     pub flight: &'a Flight,
-    pub log: &'a mut Logbook,
+    pub log: &'a mut Recorder,
     /// The type of a message, `geometry_msgs/PoseStamped`.
     pub schema: fn(&str) -> Schema,
 }

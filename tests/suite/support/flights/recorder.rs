@@ -86,14 +86,14 @@ impl Schema {
 }
 
 /// A log, written topic after topic, as converters do.
-pub struct Logbook {
+pub struct Recorder {
     writer: Writer<Cursor<Vec<u8>>>,
     /// What is written on a topic goes onto another.
     rename: Box<dyn Fn(&str) -> String>,
     topics: Vec<String>,
 }
 
-impl Logbook {
+impl Recorder {
     pub fn new() -> Self {
         let options = WriteOptions::new().chunk_size(Some(16 * 1024));
         Self {
