@@ -55,18 +55,13 @@ pub fn enrich<'a>(
     let (input, output) = (input.into(), output.into());
     let run = Run::new(&options.watch, output.name(input.name()), output.left());
     run.attend(|| match input {
-        Input::File(path) => {
-            // Checked first, because opening a log without a summary reads all of it.
-            let target = Target::new(Some(&path), output, options.layout)?;
-            let file = LogFile::open(&path, target.access())?;
-            enrich_log(file, target, options, &run)
-        }
-        Input::Bytes { name, bytes } => {
-            let target = Target::new(None, output, options.layout)?;
-            enrich_log(LogFile::from_bytes(&name, bytes)?, target, options, &run)
-        }
         Input::Stream { name, stream } => {
             stream::enrich(Named::new(&name, stream), output, options, &run)
+        }
+        input => {
+            // Checked first, because opening a log without a summary reads all of it.
+            let target = Target::new(input.path(), output, options.layout)?;
+            enrich_log(input.open(target.access())?, target, options, &run)
         }
     })
 }
@@ -147,11 +142,10 @@ pub fn derive<'a>(
     let run = Run::new(&options.watch, input.name().into(), Left::Nothing);
     run.attend(|| {
         let log = match input {
-            Input::File(path) => Log::read(LogFile::open(&path, Access::Read)?)?,
-            Input::Bytes { name, bytes } => Log::read(LogFile::from_bytes(&name, bytes)?)?,
             Input::Stream { name, stream } => {
                 stream::telemetry(Named::new(&name, stream), options, &run)?
             }
+            input => Log::read(input.open(Access::Read)?)?,
         };
         let Plan { source, camera, .. } = Plan::new(&log, options)?;
         thread::scope(|scope| {

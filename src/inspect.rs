@@ -19,11 +19,11 @@ use crate::{
     camera::{Camera, CameraError},
     derived::Quantity,
     error::Error,
-    log::{Log, SegmentReader, contents::Segment},
+    log::{Access, Log, SegmentReader, contents::Segment},
     messages::Format,
     options::Options,
     report::{CameraReport, MissingReason, MissingTopic, Note, ProfileReport, lossy},
-    run::RunError,
+    run::{Input, RunError},
     sample::{Kind, Sample, Tallies, Tally},
     source::{Origin, RunnerUp, Source, error::Misfit},
     writer::original::Original,
@@ -235,8 +235,8 @@ pub struct TopicGroup {
 /// # Errors
 /// The log cannot be read, or the options contradict each other. Telemetry that is not found is not an error but a
 /// finding.
-pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
-    let original = Original::of(Log::open(input)?)?;
+pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Inspection, Error> {
+    let original = Original::of(Log::read(input.into().open(Access::Read)?)?)?;
     let mut problem = original.check_topics_are_free().err().map(Error::from);
     let log = original.log;
     let notes = [
@@ -250,7 +250,7 @@ pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
         Ok(mut source) => {
             let found = Telemetry::describe(&log, &mut source, options)?;
             notes.extend(Note::on_suspicious_angle(&source));
-            problem = problem.or_else(|| found.why_nothing(input));
+            problem = problem.or_else(|| found.why_nothing(log.file.path()));
             telemetry = Some(found);
         }
         Err(error) => problem = problem.or(Some(error.into())),
@@ -266,7 +266,7 @@ pub fn inspect(input: &Path, options: &Options) -> Result<Inspection, Error> {
         .collect();
     let used = telemetry.iter().flat_map(Telemetry::topics).collect();
     Ok(Inspection {
-        input: input.into(),
+        input: log.file.path().into(),
         bytes: log.file.length(),
         messages: statistics.message_count,
         topics: names.len(),

@@ -97,6 +97,15 @@ impl Encoding {
         }
     }
 
+    /// The message types that are written in it, in a line for a list of encodings.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Protobuf => "flightcam.v1.RelativeRpy and flightcam.v1.CameraVelocity",
+            Self::Json => "The same fields in JSON",
+            Self::Ros2 => "geometry_msgs/msg/Vector3Stamped for both",
+        }
+    }
+
     /// As a channel record names it.
     pub fn message_encoding(self) -> &'static str {
         match self {

@@ -10,9 +10,9 @@ use serde::Serialize;
 use crate::{
     error::Error,
     fs::WriteAt,
-    log::{Access, Log, file::LogFile},
+    log::{Access, Log},
     report::lossy,
-    run::{Output, Run, RunError, Stopped},
+    run::{Input, Output, Run, RunError, Stopped},
     watch::Watch,
     writer::{
         WriteError, copy::copy_range, destination::Destination, original::Original,
@@ -44,12 +44,12 @@ pub struct Restored {
 /// The log is not enriched, the original cannot be recovered from it, or the output cannot be written. Then there is no
 /// new file, and a log in place is as it was.
 pub fn restore<'a>(
-    log: impl AsRef<Path>,
+    log: impl Into<Input<'a>>,
     output: impl Into<Output<'a>>,
     watch: &Watch,
 ) -> Result<Restored, Error> {
-    let (log, output) = (log.as_ref(), output.into());
-    let run = Run::new(watch, output.name(log), output.left());
+    let (log, output) = (log.into(), output.into());
+    let run = Run::new(watch, output.name(log.name()), output.left());
     run.attend(|| match output {
         Output::InPlace => in_place(log, &run),
         Output::File { path, overwrite } => to_new_file(log, &path, overwrite, &run),
@@ -58,9 +58,12 @@ pub fn restore<'a>(
     })
 }
 
-fn in_place(log: &Path, run: &Run) -> Result<Restored, Stopped> {
+fn in_place(log: Input, run: &Run) -> Result<Restored, Stopped> {
+    if log.path().is_none() {
+        return Err(RunError::NotAFileInPlace.into());
+    }
     let original = open(log, Access::Change)?;
-    let restored = describe(&original, log)?;
+    let restored = describe(&original, original.log.file.path())?;
     if restored.undone.is_some() {
         replace_end(&original.log, run)?;
     }
@@ -84,9 +87,9 @@ fn replace_end(original: &Log, run: &Run) -> Result<(), Stopped> {
     replace().map_err(|stopped| run.roll_back(journal, stopped))
 }
 
-fn to_new_file(log: &Path, output: &Path, overwrite: bool, run: &Run) -> Result<Restored, Stopped> {
+fn to_new_file(log: Input, output: &Path, overwrite: bool, run: &Run) -> Result<Restored, Stopped> {
     // Checked first, because opening a log without a summary reads all of it.
-    let destination = Destination::new(Some(log), output, overwrite)?;
+    let destination = Destination::new(log.path(), output, overwrite)?;
     let original = open(log, Access::Read)?;
     let restored = describe(&original, output)?;
     let pending = destination.create(original.log.file.permissions()?)?;
@@ -96,7 +99,7 @@ fn to_new_file(log: &Path, output: &Path, overwrite: bool, run: &Run) -> Result<
 }
 
 fn to_stream(
-    log: &Path,
+    log: Input,
     name: &Path,
     output: &mut impl Write,
     run: &Run,
@@ -107,8 +110,8 @@ fn to_stream(
     Ok(restored)
 }
 
-fn open(log: &Path, access: Access) -> Result<Original, Stopped> {
-    Ok(Original::of(Log::read(LogFile::open(log, access)?)?)?)
+fn open(log: Input, access: Access) -> Result<Original, Stopped> {
+    Ok(Original::of(Log::read(log.open(access)?)?)?)
 }
 
 /// Writes the whole original.

@@ -1,10 +1,13 @@
 //! `flightcam enrich`: a log in, the same log with the camera's channels out.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::LazyLock,
+};
 
-use clap::{Args, ValueEnum, error::ErrorKind};
+use clap::{Args, ValueEnum, builder::PossibleValue, error::ErrorKind};
 use flightcam::{
-    Error, Input, Options, Output, Report, enrich,
+    Error, Options, Output, Report, enrich,
     messages::{Encoding, EncodingChoice},
     transform::MaxGap,
     writer::Layout,
@@ -13,9 +16,9 @@ use flightcam::{
 use super::{
     Exit,
     camera::CameraArguments,
-    complain, number,
-    pipe::{self, is_pipe},
-    print_aside, print_result,
+    complain,
+    input_output::{input, is_pipe, output},
+    number, print_aside, print_result,
     progress::Bar,
     report::describe,
     telemetry::{EXAMPLES, TelemetryArguments},
@@ -81,25 +84,28 @@ pub struct Arguments {
     telemetry: TelemetryArguments,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum EncodingArgument {
-    /// Like the telemetry: ROS 2 for ROS 2, JSON for JSON, otherwise protobuf
-    Auto,
-    /// flightcam.v1.RelativeRpy and flightcam.v1.CameraVelocity
-    Protobuf,
-    /// The same fields in JSON
-    Json,
-    /// geometry_msgs/msg/Vector3Stamped for both
-    Ros2,
-}
+#[derive(Debug, Clone, Copy)]
+struct EncodingArgument(EncodingChoice);
 
-impl From<EncodingArgument> for EncodingChoice {
-    fn from(argument: EncodingArgument) -> Self {
-        match argument {
-            EncodingArgument::Auto => Self::Automatic,
-            EncodingArgument::Protobuf => Self::Given(Encoding::Protobuf),
-            EncodingArgument::Json => Self::Given(Encoding::Json),
-            EncodingArgument::Ros2 => Self::Given(Encoding::Ros2),
+impl ValueEnum for EncodingArgument {
+    fn value_variants<'a>() -> &'a [Self] {
+        static VARIANTS: LazyLock<Vec<EncodingArgument>> = LazyLock::new(|| {
+            let given = Encoding::ALL.map(EncodingChoice::Given);
+            let choices = [EncodingChoice::Automatic].into_iter().chain(given);
+            choices.map(EncodingArgument).collect()
+        });
+        &VARIANTS
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        match self.0 {
+            EncodingChoice::Given(encoding) => {
+                Some(PossibleValue::new(encoding.name()).help(encoding.summary()))
+            }
+            _ => Some(
+                PossibleValue::new("auto")
+                    .help("Like the telemetry: ROS 2 for ROS 2, JSON for JSON, otherwise protobuf"),
+            ),
         }
     }
 }
@@ -125,7 +131,7 @@ impl From<LayoutArgument> for Layout {
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let bar = Bar::new(arguments.quiet || arguments.reads_stdin() || arguments.writes_stdout());
     let options = arguments.options()?.watch(bar.watch());
-    let report = enrich(arguments.input()?, arguments.output()?, &options);
+    let report = enrich(input(&arguments.input)?, arguments.output()?, &options);
     bar.clear();
     let report = report?;
     arguments.print(&report);
@@ -150,24 +156,13 @@ impl Arguments {
             .mount(self.camera.mount)
             .max_gap(self.max_gap)
             .telemetry(self.telemetry.request()?)
-            .encoding(self.encoding.into())
+            .encoding(self.encoding.0)
             .layout(self.layout.into()))
-    }
-
-    fn input(&self) -> Result<Input<'static>, Error> {
-        match self.reads_stdin() {
-            true => pipe::stdin(),
-            false => Ok(Input::from(&self.input)),
-        }
     }
 
     /// Where the result goes. Contradictory arguments end the process here.
     fn output(&self) -> Result<Output<'static>, Error> {
         let refuse = |problem: &str| wrong_arguments(ErrorKind::ArgumentConflict, problem);
-        let file = |path: &Path| Output::File {
-            path: path.into(),
-            overwrite: self.force,
-        };
         match &self.output {
             _ if self.in_place && self.reads_stdin() => {
                 refuse("standard input cannot be changed in place")
@@ -176,12 +171,8 @@ impl Arguments {
             None if self.reads_stdin() => refuse(
                 "a log from standard input needs an output: -o FILE, or -o - for standard output",
             ),
-            None => Ok(file(&beside(&self.input))),
-            Some(output) if !is_pipe(output) => Ok(file(output)),
-            Some(_) if pipe::stdout_is_terminal() => refuse(
-                "refusing to write binary MCAP to a terminal; redirect standard output, or name a file with -o",
-            ),
-            Some(_) => pipe::stdout(),
+            None => output(&beside(&self.input), self.force),
+            Some(name) => output(name, self.force),
         }
     }
 

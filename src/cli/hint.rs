@@ -116,6 +116,9 @@ fn of_the_run(error: &RunError) -> Option<&'static str> {
         RunError::InterleavedInPlace => {
             "with --layout interleaved leave out --in-place, and write the result to a new file (-o)"
         }
+        RunError::Stream { .. } => {
+            "save the log as a file first; only `enrich` reads one from a pipe"
+        }
         RunError::InterleavedStream => "leave out --layout interleaved, or give the log as a file",
         RunError::RollBack { .. } => "when there is room again, `flightcam restore` does that",
         _ => return None,
@@ -128,7 +131,10 @@ pub fn is_usage(error: &Error) -> bool {
         Error::Camera(_)
         | Error::Write(WriteError::OutputIsInput { .. })
         | Error::Run(
-            RunError::InterleavedInPlace | RunError::InterleavedStream | RunError::NotAFileInPlace,
+            RunError::InterleavedInPlace
+            | RunError::InterleavedStream
+            | RunError::NotAFileInPlace
+            | RunError::Stream { .. },
         )
         | Error::Profile(_) => true,
         Error::Run(RunError::PassedOn { cause }) => is_usage(cause),

@@ -14,7 +14,9 @@ use indicatif::{HumanBytes, HumanCount};
 use super::{
     Exit,
     camera::CameraArguments,
-    explain, print_result,
+    explain,
+    input_output::input,
+    print_result,
     telemetry::{EXAMPLES, TelemetryArguments},
     to_json,
     words::{self, plural},
@@ -50,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .depression(arguments.camera.depression)
         .mount(arguments.camera.mount)
         .telemetry(arguments.telemetry.request()?);
-    let inspection = inspect(&arguments.input, &options)?;
+    let inspection = inspect(input(&arguments.input)?, &options)?;
     print_result(&if arguments.json {
         to_json(&inspection)
     } else {

@@ -9,7 +9,13 @@ use flightcam::{
 };
 use indicatif::HumanCount;
 
-use super::{Exit, print_result, progress::Bar, to_json};
+use super::{
+    Exit,
+    input_output::{input, is_pipe, output},
+    print_aside, print_result,
+    progress::Bar,
+    to_json,
+};
 
 /// Turn an enriched log back into the original, byte for byte
 ///
@@ -20,7 +26,7 @@ pub struct Arguments {
     /// The enriched log
     log: PathBuf,
 
-    /// Write the original to a new file, and leave the enriched log as it is
+    /// Write the original to a new file, and leave the enriched log as it is; - is standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -40,19 +46,21 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let output = match &arguments.output {
         None => Output::InPlace,
-        Some(path) => Output::File {
-            path: path.clone(),
-            overwrite: arguments.force,
-        },
+        Some(name) => output(name, arguments.force)?,
     };
-    let bar = Bar::new(arguments.quiet);
-    let restored = restore(&arguments.log, output, &Watch::new(bar.watch()));
+    let to_stdout = arguments.output.as_deref().is_some_and(is_pipe);
+    let bar = Bar::new(arguments.quiet || to_stdout);
+    let restored = restore(input(&arguments.log)?, output, &Watch::new(bar.watch()));
     bar.clear();
     let restored = restored?;
-    if arguments.json {
-        print_result(&to_json(&restored));
-    } else if !arguments.quiet {
-        print_result(&describe(&restored));
+    let text = match (arguments.json, arguments.quiet) {
+        (true, _) => to_json(&restored),
+        (false, false) => describe(&restored),
+        (false, true) => return Ok(Exit::Done),
+    };
+    match to_stdout {
+        true => print_aside(&text),
+        false => print_result(&text),
     }
     Ok(Exit::Done)
 }

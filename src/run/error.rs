@@ -19,6 +19,9 @@ pub enum RunError {
     #[error("{}: cannot be restored: {reason}", path.display())]
     NotRestorable { path: PathBuf, reason: Lost },
 
+    #[error("{}: cannot be read from front to back; the log must be a file", name.display())]
+    Stream { name: PathBuf },
+
     #[error("only a log in a file can be changed in place")]
     NotAFileInPlace,
 

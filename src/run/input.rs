@@ -5,7 +5,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::fs::ReadAt;
+use super::RunError;
+use crate::{
+    error::Error,
+    fs::ReadAt,
+    log::{Access, file::LogFile},
+};
 
 /// Where a log comes from. Any path is one.
 #[non_exhaustive]
@@ -42,6 +47,26 @@ impl<'a> Input<'a> {
         Self::Stream {
             name: name.as_ref().into(),
             stream: Box::new(stream),
+        }
+    }
+
+    /// The path of the file, if it is one.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Bytes { .. } | Self::Stream { .. } => None,
+        }
+    }
+
+    /// Opens it for reading by position.
+    ///
+    /// # Errors
+    /// It is a stream, or it cannot be opened.
+    pub(crate) fn open(self, access: Access) -> Result<LogFile, Error> {
+        match self {
+            Self::File(path) => Ok(LogFile::open(&path, access)?),
+            Self::Bytes { name, bytes } => Ok(LogFile::from_bytes(&name, bytes)?),
+            Self::Stream { name, .. } => Err(RunError::Stream { name }.into()),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::{fs, io::Read as _};
 
+use assert_cmd::cargo::cargo_bin_cmd;
 use flightcam::{
     Output, Watch, enrich,
     log::record::{FRAME_LENGTH, serialize},
@@ -330,4 +331,19 @@ proptest! {
         damaged[place] ^= flipped;
         restores_or_refuses(&damaged, &log);
     }
+}
+
+#[test]
+fn an_original_is_restored_to_standard_output_and_the_report_goes_to_standard_error() {
+    let log = mixed_log();
+    let (enriched, _) = enrich_bytes(&log).expect("a result");
+    let folder = Folder::with(LOG, enriched);
+    let output = cargo_bin_cmd!("flightcam")
+        .current_dir(folder.path(""))
+        .args(["restore", LOG, "-o", "-"])
+        .output()
+        .expect("the program");
+    assert!(output.status.success() && output.stdout == log);
+    let report = String::from_utf8(output.stderr).expect("text");
+    assert_reads(&report, "Undone … Result … standard output");
 }

@@ -274,19 +274,10 @@ fn the_profile_and_its_runners_up_are_named() {
         .iter()
         .map(|other| other["profile"].as_str().unwrap());
     let names: Vec<&str> = names.collect();
-    assert_eq!(
-        names,
-        [
-            "nav-msgs",
-            "flat",
-            "px4-ulog",
-            "px4-ros2",
-            "ardupilot-ros2",
-            "dji-osdk"
-        ]
-    );
-    let fits = runners_up.iter().map(|other| &other["fits"]);
-    assert!(fits.eq([&json!(true); 2].into_iter().chain([&json!(false); 4])));
+    assert_eq!(names[..2], ["nav-msgs", "flat"]);
+    let mut fits = runners_up.iter().map(|other| &other["fits"]);
+    assert!(fits.by_ref().take(2).all(|fits| fits == true));
+    assert!(fits.all(|fits| fits == false));
 }
 
 #[test]

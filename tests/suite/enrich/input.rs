@@ -9,11 +9,11 @@ use std::{
 use flightcam::{
     Error, Input, Output, Watch, derive,
     derived::{Derived, Quantity},
-    enrich, restore,
+    enrich, inspect, restore,
     run::RunError,
 };
 
-use crate::support::{layout::*, *};
+use crate::support::{folder::*, layout::*, *};
 
 fn flight() -> Vec<u8> {
     fs::read(repository("fixtures/survey_flight.mcap")).expect("the fixture")
@@ -127,4 +127,37 @@ fn a_derivation_can_be_interrupted() {
         let interrupted = matches!(error, Error::Run(RunError::Interrupted { .. }));
         assert!(interrupted, "{error}");
     }
+}
+
+#[test]
+fn a_log_in_memory_is_inspected_and_restored_like_one_in_a_file() {
+    let log = flight();
+    let (enriched, _) = enrich_bytes(&log).expect("a result");
+    let folder = Folder::with(LOG, &enriched);
+    let in_file = inspect(folder.path(LOG), &options()).expect("a finding");
+    let mut in_memory =
+        inspect(Input::bytes("memory", enriched.clone()), &options()).expect("a finding");
+    assert_eq!(in_memory.input.to_str(), Some("memory"));
+    in_memory.input = folder.path(LOG);
+    assert_eq!(in_memory, in_file);
+
+    let mut original = Vec::new();
+    let output = Output::stream("stream", &mut original);
+    restore(
+        Input::bytes("memory", enriched.clone()),
+        output,
+        &Watch::default(),
+    )
+    .expect("the original");
+    assert!(original == log);
+
+    let in_place = restore(
+        Input::bytes("memory", enriched),
+        Output::InPlace,
+        &Watch::default(),
+    );
+    assert!(matches!(
+        in_place,
+        Err(Error::Run(RunError::NotAFileInPlace))
+    ));
 }

@@ -101,11 +101,8 @@ mod between_profiles {
             .iter()
             .map(|tried| (tried.profile.as_str(), tried.attitude.is_ok()));
         let tried: Vec<(&str, bool)> = tried.collect();
-        let unfit = ["px4-ulog", "mavros", "ardupilot-ros2", "dji-osdk"].map(|name| (name, false));
-        assert_eq!(
-            tried,
-            [&[("nav-msgs", true), ("flat", true)][..], &unfit].concat()
-        );
+        assert_eq!(tried[..2], [("nav-msgs", true), ("flat", true)]);
+        assert!(tried[2..].iter().all(|(_, fits)| !fits));
     }
 }
 

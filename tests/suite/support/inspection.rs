@@ -13,7 +13,7 @@ use super::folder::{Folder, LOG};
 
 pub fn inspected_with(log: &[u8], options: &Options) -> Result<Inspection, Error> {
     let folder = Folder::with(LOG, log);
-    let mut inspection = inspect(&folder.path(LOG), options)?;
+    let mut inspection = inspect(folder.path(LOG), options)?;
     inspection.input = LOG.into();
     Ok(inspection)
 }

@@ -287,3 +287,11 @@ fn a_topic_of_the_same_name_that_is_not_flightcams_is_refused() {
     let message = "flight.mcap: … /camera/velocity … flightcam did not write … rename or remove";
     Folder::with(LOG, log).refuses(&enrich(""), 1, message);
 }
+
+#[test]
+fn only_enrich_reads_from_a_pipe() {
+    for command in ["inspect -", "restore - -o original.mcap"] {
+        let message = "standard input: cannot be read from front to back … a file first";
+        Folder::new().refuses(command, 2, message);
+    }
+}
