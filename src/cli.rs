@@ -16,11 +16,12 @@ mod words;
 
 use std::{
     io::{self, Write},
+    path::Path,
     process::ExitCode,
 };
 
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
-use flightcam::Error;
+use flightcam::{Error, writer::journal::Interrupted};
 use serde::Serialize;
 
 const EXIT_CODES: &str = "\
@@ -94,6 +95,20 @@ pub fn run() -> ExitCode {
 /// Writes to standard error, which is not worth failing for.
 fn complain(what: &str, message: &str) {
     let _ = writeln!(io::stderr(), "{what}: {message}");
+}
+
+/// Says that an interrupted change of a log is about to be undone.
+fn announce(interrupted: &Interrupted) {
+    let Interrupted { log, journal, .. } = interrupted;
+    let journal = journal.file_name().unwrap_or_default();
+    complain(
+        "note",
+        &format!(
+            "{}: an earlier run was interrupted while it changed the log; first the log gets its old end back, from {}",
+            log.display(),
+            Path::new(journal).display(),
+        ),
+    );
 }
 
 /// What was wrong, and below it what to do about it.

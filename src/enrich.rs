@@ -61,7 +61,12 @@ pub fn enrich<'a>(
         input => {
             // Checked first, because opening a log without a summary reads all of it.
             let target = Target::new(input.path(), output, options.layout)?;
-            enrich_log(input.open(target.access())?, target, options, &run)
+            enrich_log(
+                input.open(target.access(), &options.watch)?,
+                target,
+                options,
+                &run,
+            )
         }
     })
 }
@@ -123,7 +128,8 @@ fn write(
                 let written = sink.finish(findings.facts())?;
                 Ok(findings.report(output, written))
             }
-            Err(stopped) => Err(sink.abandon(stopped)),
+            // What was written is dropped with the sink.
+            Err(stopped) => Err(stopped),
         }
     })
 }
@@ -145,7 +151,7 @@ pub fn derive<'a>(
             Input::Stream { name, stream } => {
                 stream::telemetry(Named::new(&name, stream), options, &run)?
             }
-            input => Log::read(input.open(Access::Read)?)?,
+            input => Log::read(input.open(Access::Read, &options.watch)?)?,
         };
         let Plan { source, camera, .. } = Plan::new(&log, options)?;
         thread::scope(|scope| {

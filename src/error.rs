@@ -3,13 +3,17 @@
 pub use crate::{
     camera::CameraError,
     decode::path::NotAPath,
-    log::{ChunkFault, Damage, ForeignFormat, JournalError, ReadError, RecordKind},
+    log::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind},
     run::{Left, RunError},
     source::{
         error::{LogTopic, LogTopics, Misfit, TelemetryError, TopicMisfit},
         profile::{BadRole, NotAProfile, ProfileError, WrongCount},
     },
-    writer::{IdKind, WriteError, original::Lost},
+    writer::{
+        IdKind, WriteError,
+        journal::{JournalError, JournalFault},
+        original::Lost,
+    },
 };
 
 /// Why a log could not be enriched, inspected or restored. Every message says what is wrong, and where.
@@ -38,7 +42,7 @@ pub enum Error {
 
     /// The log cannot be changed in place, or not be brought back to what it was.
     #[error(transparent)]
-    Journal(#[from] JournalError),
+    Journal(JournalError),
 
     /// The run has no result.
     #[error(transparent)]
@@ -52,6 +56,15 @@ impl From<TelemetryError> for Error {
         match error {
             TelemetryError::Read(error) => Self::Read(error),
             other => Self::Telemetry(other),
+        }
+    }
+}
+
+impl From<JournalError> for Error {
+    fn from(error: JournalError) -> Self {
+        match error {
+            JournalError::Read(error) => Self::Read(error),
+            other => Self::Journal(other),
         }
     }
 }

@@ -1,6 +1,10 @@
 //! What the standard library lacks for files: reading and writing by position, locks, copying in the kernel, and names
 //! that are as durable as the content.
 
+mod new_file;
+
+pub use new_file::NewFile;
+
 use std::{
     fmt,
     fs::{File, OpenOptions, Permissions, TryLockError},
@@ -62,6 +66,39 @@ impl ReadAt for Vec<u8> {
         let bytes = self.get(start..).and_then(|rest| rest.get(..buffer.len()));
         buffer.copy_from_slice(bytes.ok_or(ErrorKind::UnexpectedEof)?);
         Ok(())
+    }
+}
+
+/// A part of a file, as bytes of its own.
+#[derive(Debug)]
+pub struct Slice {
+    file: File,
+    offset: u64,
+    length: u64,
+}
+
+impl Slice {
+    /// The `length` bytes of a file at `offset`.
+    pub fn new(file: File, offset: u64, length: u64) -> Self {
+        Self {
+            file,
+            offset,
+            length,
+        }
+    }
+}
+
+impl ReadAt for Slice {
+    fn length(&self) -> io::Result<u64> {
+        Ok(self.length)
+    }
+
+    fn read_exact_at(&self, buffer: &mut [u8], offset: u64) -> io::Result<()> {
+        let end = offset.checked_add(buffer.len() as u64);
+        if end.is_none_or(|end| end > self.length) {
+            return Err(ErrorKind::UnexpectedEof.into());
+        }
+        self.file.read_exact_at(buffer, self.offset + offset)
     }
 }
 
@@ -201,14 +238,18 @@ impl Drop for LockedFile {
 
 // ---- Names and permissions ----
 
+/// The folder of a file.
+pub fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
 /// Makes a file's name as durable as its content.
 #[cfg(unix)]
 pub fn sync_folder(file: &Path) -> io::Result<()> {
-    let folder = match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    File::open(folder)?.sync_all()
+    File::open(folder_of(file))?.sync_all()
 }
 
 /// Folders cannot be synced here; the file system keeps names in order by itself.

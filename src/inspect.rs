@@ -236,7 +236,7 @@ pub struct TopicGroup {
 /// The log cannot be read, or the options contradict each other. Telemetry that is not found is not an error but a
 /// finding.
 pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Inspection, Error> {
-    let original = Original::of(Log::read(input.into().open(Access::Read)?)?)?;
+    let original = Original::of(Log::read(input.into().open(Access::Read, &options.watch)?)?)?;
     let mut problem = original.check_topics_are_free().err().map(Error::from);
     let log = original.log;
     let notes = [

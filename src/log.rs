@@ -6,7 +6,6 @@
 
 pub mod contents;
 pub mod file;
-pub mod journal;
 pub(crate) mod message_index;
 pub(crate) mod prefix;
 pub mod record;
@@ -34,7 +33,7 @@ use scan::{Bodies, Collector, Next, Walker};
 use summary::{DATA_END_LENGTH, Ending};
 
 pub use crate::fs::Access;
-pub use error::{ChunkFault, Damage, ForeignFormat, JournalError, ReadError, RecordKind};
+pub use error::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind};
 pub use segment::SegmentReader;
 
 /// [`Log::first_payloads`] leaves out longer payloads.

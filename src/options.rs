@@ -5,13 +5,15 @@ use std::ops::ControlFlow;
 use crate::{
     camera::{Camera, CameraError, Mount},
     geometry::DepressionAngle,
-    log::journal::JournalStep,
     messages::EncodingChoice,
     sample::Kind,
     source::{Source, request::Request},
     transform::MaxGap,
     watch::{Progress, Watch},
-    writer::Layout,
+    writer::{
+        Layout,
+        journal::{Interrupted, JournalStep},
+    },
 };
 
 /// How to enrich a log.
@@ -91,6 +93,14 @@ impl Options {
     ) -> Self {
         Self {
             watch: Watch::new(watch),
+            ..self
+        }
+    }
+
+    /// See [`Watch::on_recovery`].
+    pub fn on_recovery(self, announce: impl Fn(&Interrupted) + Send + Sync + 'static) -> Self {
+        Self {
+            watch: self.watch.on_recovery(announce),
             ..self
         }
     }

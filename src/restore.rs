@@ -9,14 +9,13 @@ use serde::Serialize;
 
 use crate::{
     error::Error,
-    fs::WriteAt,
     log::{Access, Log},
     report::lossy,
     run::{Input, Output, Run, RunError, Stopped},
     watch::Watch,
     writer::{
-        WriteError, copy::copy_range, destination::Destination, original::Original,
-        provenance::EarlierRun,
+        WriteError, copy::copy_range, destination::Destination, journal::NewEnd,
+        original::Original, provenance::EarlierRun,
     },
 };
 
@@ -62,7 +61,7 @@ fn in_place(log: Input, run: &Run) -> Result<Restored, Stopped> {
     if log.path().is_none() {
         return Err(RunError::NotAFileInPlace.into());
     }
-    let original = open(log, Access::Change)?;
+    let original = open(log, Access::Change, run.watch())?;
     let restored = describe(&original, original.log.file.path())?;
     if restored.undone.is_some() {
         replace_end(&original.log, run)?;
@@ -73,24 +72,19 @@ fn in_place(log: Input, run: &Run) -> Result<Restored, Stopped> {
 /// Writes the original's end over that of the enriched log.
 fn replace_end(original: &Log, run: &Run) -> Result<(), Stopped> {
     let (file, start, length) = (&original.file, original.data_end, original.file.length());
-    let failed = |source| WriteError::io("cannot write the log", file.path(), source);
-    let reached = &|step| run.reached(step);
-    let journal = file.change_from(start, reached)?;
+    let failed = |source| WriteError::io("cannot write the original's end", file.path(), source);
+    let new_end = NewEnd::begin(file, start)?;
     run.expect(length);
-    let replace = || {
-        let mut end = WriteAt::new(journal.log(), start).map_err(failed)?;
-        copy_range(file, start..length, &mut end, failed, |done| {
-            run.copied(done)
-        })?;
-        Ok(journal.commit(length, reached)?)
-    };
-    replace().map_err(|stopped| run.roll_back(journal, stopped))
+    copy_range(file, start..length, &mut new_end.out()?, failed, |done| {
+        run.copied(done)
+    })?;
+    Ok(new_end.commit(&|step| run.reached(step))?)
 }
 
 fn to_new_file(log: Input, output: &Path, overwrite: bool, run: &Run) -> Result<Restored, Stopped> {
     // Checked first, because opening a log without a summary reads all of it.
     let destination = Destination::new(log.path(), output, overwrite)?;
-    let original = open(log, Access::Read)?;
+    let original = open(log, Access::Read, run.watch())?;
     let restored = describe(&original, output)?;
     let pending = destination.create(original.log.file.permissions()?)?;
     write(&original.log, output, &mut pending.file(), run)?;
@@ -104,14 +98,14 @@ fn to_stream(
     output: &mut impl Write,
     run: &Run,
 ) -> Result<Restored, Stopped> {
-    let original = open(log, Access::Read)?;
+    let original = open(log, Access::Read, run.watch())?;
     let restored = describe(&original, name)?;
     write(&original.log, name, output, run)?;
     Ok(restored)
 }
 
-fn open(log: Input, access: Access) -> Result<Original, Stopped> {
-    Ok(Original::of(Log::read(log.open(access)?)?)?)
+fn open(log: Input, access: Access, watch: &Watch) -> Result<Original, Stopped> {
+    Ok(Original::of(Log::read(log.open(access, watch)?)?)?)
 }
 
 /// Writes the whole original.

@@ -23,9 +23,8 @@ pub use output::Output;
 
 use crate::{
     error::Error,
-    log::journal::{Journal, JournalStep},
     watch::{Progress, Watch},
-    writer::WriteError,
+    writer::{WriteError, journal::JournalStep},
 };
 
 /// How often the watcher is asked while the run's threads may be waiting for something.
@@ -124,6 +123,11 @@ impl<'a> Run<'a> {
         })
     }
 
+    /// What watches it.
+    pub fn watch(&self) -> &Watch {
+        self.watch
+    }
+
     /// Adds bytes that are to be done.
     pub fn expect(&self, bytes: u64) {
         self.total.fetch_add(bytes, Relaxed);
@@ -190,21 +194,6 @@ impl<'a> Run<'a> {
             }
         }
         AtEnd(&self.is_cancelled)
-    }
-
-    /// Undoes a change in place, and adds the error of that, if there is one, to the reason for it.
-    pub fn roll_back(&self, journal: Journal, stopped: Stopped) -> Stopped {
-        let path = journal.log_path().to_owned();
-        let cause = self.explain(stopped);
-        match journal.roll_back() {
-            Ok(()) => cause.into(),
-            Err(rollback) => RunError::RollBack {
-                path,
-                cause: Box::new(cause),
-                rollback,
-            }
-            .into(),
-        }
     }
 
     /// The error for which a thread ended its work.

@@ -2,7 +2,7 @@
 
 use std::{fmt, ops::ControlFlow, sync::Arc};
 
-use crate::log::journal::JournalStep;
+use crate::writer::journal::{Interrupted, JournalStep};
 
 /// How far a run is, in bytes: of the telemetry read, and of the log copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,8 +18,12 @@ pub struct Progress {
 #[derive(Clone, Default)]
 pub struct Watch {
     progress: Option<Arc<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>>,
+    recovery: Option<Arc<Announce>>,
     step: Option<Arc<dyn Fn(JournalStep) + Send + Sync>>,
 }
+
+/// What is called before an interrupted change is undone.
+type Announce = dyn Fn(&Interrupted) + Send + Sync;
 
 impl Watch {
     /// Calls `watch` with the progress of the run, about twenty times a second or more. If it returns `Break`, the run
@@ -29,7 +33,15 @@ impl Watch {
     pub fn new(watch: impl Fn(Progress) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
         Self {
             progress: Some(Arc::new(watch)),
-            step: None,
+            ..Self::default()
+        }
+    }
+
+    /// Calls `announce` before an interrupted change of the log is undone.
+    pub fn on_recovery(self, announce: impl Fn(&Interrupted) + Send + Sync + 'static) -> Self {
+        Self {
+            recovery: Some(Arc::new(announce)),
+            ..self
         }
     }
 
@@ -50,6 +62,12 @@ impl Watch {
         match &self.progress {
             Some(watch) => watch(progress),
             None => ControlFlow::Continue(()),
+        }
+    }
+
+    pub(crate) fn recovering(&self, interrupted: &Interrupted) {
+        if let Some(announce) = &self.recovery {
+            announce(interrupted);
         }
     }
 

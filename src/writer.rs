@@ -6,6 +6,7 @@
 //! Or they are [interleaved](Interleaver): among the log's chunks, for readers that use no index.
 
 pub mod destination;
+pub mod journal;
 pub mod original;
 pub mod provenance;
 

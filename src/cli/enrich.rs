@@ -14,7 +14,7 @@ use flightcam::{
 };
 
 use super::{
-    Exit,
+    Exit, announce,
     camera::CameraArguments,
     complain,
     input_output::{input, is_pipe, output},
@@ -130,7 +130,10 @@ impl From<LayoutArgument> for Layout {
 
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let bar = Bar::new(arguments.quiet || arguments.reads_stdin() || arguments.writes_stdout());
-    let options = arguments.options()?.watch(bar.watch());
+    let mut options = arguments.options()?.watch(bar.watch());
+    if !arguments.quiet {
+        options = options.on_recovery(announce);
+    }
     let report = enrich(input(&arguments.input)?, arguments.output()?, &options);
     bar.clear();
     let report = report?;

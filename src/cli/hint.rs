@@ -5,7 +5,8 @@ mod telemetry;
 use flightcam::{
     Error,
     camera::CameraError,
-    log::{ForeignFormat, JournalError, ReadError},
+    error::{JournalError, JournalFault},
+    log::{ForeignFormat, ReadError},
     run::RunError,
     writer::WriteError,
 };
@@ -57,18 +58,28 @@ fn of_reading(error: &ReadError) -> Option<&'static str> {
         }
         ReadError::Locked { .. } => "try again when that has ended",
         ReadError::NoLocks { .. } => "write the result to a new file (-o)",
-        ReadError::Journal(error) => return of_the_journal(error),
         _ => return None,
     })
 }
 
 fn of_the_journal(error: &JournalError) -> Option<&'static str> {
-    match error {
+    Some(match error {
         JournalError::Foreign { .. } => {
-            Some("put that log back in its place, or remove the journal if that log is lost")
+            "put that log back in its place, or remove the journal if that log is lost"
         }
-        _ => None,
-    }
+        JournalError::Distrusted {
+            fault: JournalFault::OtherVersion,
+            ..
+        } => "`flightcam restore` of that version undoes the change",
+        JournalError::Distrusted { .. } => {
+            "copy both somewhere safe. If the log is as it should be, remove the journal; if not, replace the log by a \
+             copy of it first"
+        }
+        JournalError::NotRolledBack { .. } => {
+            "when there is room again, `flightcam restore` does that"
+        }
+        _ => return None,
+    })
 }
 
 fn of_the_camera(error: CameraError) -> Option<&'static str> {
@@ -120,7 +131,6 @@ fn of_the_run(error: &RunError) -> Option<&'static str> {
             "save the log as a file first; only `enrich` reads one from a pipe"
         }
         RunError::InterleavedStream => "leave out --layout interleaved, or give the log as a file",
-        RunError::RollBack { .. } => "when there is room again, `flightcam restore` does that",
         _ => return None,
     })
 }

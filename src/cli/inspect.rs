@@ -12,7 +12,7 @@ use flightcam::{
 use indicatif::{HumanBytes, HumanCount};
 
 use super::{
-    Exit,
+    Exit, announce,
     camera::CameraArguments,
     explain,
     input_output::input,
@@ -51,7 +51,8 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let options = Options::new()
         .depression(arguments.camera.depression)
         .mount(arguments.camera.mount)
-        .telemetry(arguments.telemetry.request()?);
+        .telemetry(arguments.telemetry.request()?)
+        .on_recovery(announce);
     let inspection = inspect(input(&arguments.input)?, &options)?;
     print_result(&if arguments.json {
         to_json(&inspection)

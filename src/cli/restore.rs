@@ -10,7 +10,7 @@ use flightcam::{
 use indicatif::HumanCount;
 
 use super::{
-    Exit,
+    Exit, announce,
     input_output::{input, is_pipe, output},
     print_aside, print_result,
     progress::Bar,
@@ -50,7 +50,11 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     };
     let to_stdout = arguments.output.as_deref().is_some_and(is_pipe);
     let bar = Bar::new(arguments.quiet || to_stdout);
-    let restored = restore(input(&arguments.log)?, output, &Watch::new(bar.watch()));
+    let mut watch = Watch::new(bar.watch());
+    if !arguments.quiet {
+        watch = watch.on_recovery(announce);
+    }
+    let restored = restore(input(&arguments.log)?, output, &watch);
     bar.clear();
     let restored = restored?;
     let text = match (arguments.json, arguments.quiet) {

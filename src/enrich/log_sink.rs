@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use super::{Sink, background::Background};
 use crate::{
     derived::Derived,
-    log::journal::Journal,
     run::{Run, Stopped},
-    writer::{LogWriter, Written, destination::Pending},
+    writer::{LogWriter, Written, destination::Pending, journal::NewEnd},
 };
 
 /// Writes derived values into a log.
@@ -27,8 +26,8 @@ pub enum Completion<'scope> {
         /// Flushes the file to the disk, until the copy, or else the writer, is done.
         flush: Background<'scope>,
     },
-    /// A log that was changed in place is synced, and its journal removed.
-    InPlace(Journal<'scope>),
+    /// The log in place gets its new end.
+    InPlace(NewEnd<'scope>),
     /// Nothing.
     Stream,
 }
@@ -64,25 +63,13 @@ impl LogSink<'_> {
                 pending.commit()?;
                 Ok(written)
             }
-            Completion::InPlace(journal) => {
-                let finish = || {
-                    let written = writer.finish(facts)?;
-                    run.go_on()?;
-                    journal.commit(written.length, &|step| run.reached(step))?;
-                    Ok(written)
-                };
-                finish().map_err(|stopped| run.roll_back(journal, stopped))
+            Completion::InPlace(new_end) => {
+                let written = writer.finish(facts)?;
+                run.go_on()?;
+                new_end.commit(&|step| run.reached(step))?;
+                Ok(written)
             }
             Completion::Stream => Ok(writer.finish(facts)?),
-        }
-    }
-
-    /// Removes a new file, or restores a log that was changed in place. Returns the reason, with the error of that
-    /// added to it if there is one.
-    pub fn abandon(self, stopped: Stopped) -> Stopped {
-        match self.completion {
-            Completion::InPlace(journal) => self.run.roll_back(journal, stopped),
-            Completion::NewFile { .. } | Completion::Stream => stopped,
         }
     }
 }

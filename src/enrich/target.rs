@@ -20,7 +20,7 @@ use crate::{
     run::{Output, Run, RunError, Stopped},
     writer::{
         Appender, Interleaver, Layout, LogWriter, WriteError, copy::copy_range,
-        destination::Destination,
+        destination::Destination, journal::NewEnd,
     },
 };
 
@@ -183,26 +183,19 @@ fn new_file<'scope>(
     })
 }
 
-/// To the log's own file, whose end is saved in a journal first.
+/// To the log's own file, which is changed when its new end is complete.
 fn in_place<'scope>(
     log: &'scope Log,
     format: Format,
     run: &'scope Run<'scope>,
 ) -> Result<LogSink<'scope>, Stopped> {
-    let path = log.file.path();
-    let journal = (log.file).change_from(log.data_end, &|step| run.reached(step))?;
-    let out = WriteAt::new(journal.log(), log.data_end);
-    let writer = out
-        .map_err(|source| WriteError::io("cannot write the log", path, source))
-        .and_then(|out| append(log, out, path.into(), format));
-    match writer {
-        Ok(writer) => Ok(LogSink {
-            writer,
-            completion: Completion::InPlace(journal),
-            run,
-        }),
-        Err(error) => Err(run.roll_back(journal, error.into())),
-    }
+    let new_end = NewEnd::begin(&log.file, log.data_end)?;
+    let writer = append(log, new_end.out()?, log.file.path().into(), format)?;
+    Ok(LogSink {
+        writer,
+        completion: Completion::InPlace(new_end),
+        run,
+    })
 }
 
 /// To a stream, which in the layout `append` gets the log first.

@@ -46,34 +46,6 @@ pub enum ReadError {
         path.display()
     )]
     NoLocks { path: PathBuf, source: io::Error },
-
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-}
-
-/// Why a log cannot be changed in place, or an interrupted change of it not undone.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-// What each variant and field is, its message says.
-#[allow(missing_docs)]
-pub enum JournalError {
-    #[error("{}: {action}: {source}", path.display())]
-    Io {
-        action: &'static str,
-        path: PathBuf,
-        source: io::Error,
-    },
-
-    #[error(
-        "{}: {} beside it is left from an interrupted change of another log ({of})",
-        path.display(), journal.display()
-    )]
-    Foreign {
-        path: PathBuf,
-        journal: PathBuf,
-        /// Where that log was.
-        of: String,
-    },
 }
 
 /// How a log violates the format, at the offset in [`ReadError::Damaged`].
@@ -201,16 +173,6 @@ impl ReadError {
             path: path.into(),
             offset,
             damage: damage.into(),
-        }
-    }
-}
-
-impl JournalError {
-    pub(super) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
-        Self::Io {
-            action,
-            path: path.into(),
-            source,
         }
     }
 }

@@ -7,10 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{
-    error::{Damage, JournalError, ReadError},
-    journal::{self, Journal, JournalStep},
-};
+use super::error::{Damage, ReadError};
 use crate::fs::{Access, LockedFile, OpenError, ReadAt};
 
 /// A log's bytes: those of a file, or of anything else that can be read by position. Several readers can share them.
@@ -39,35 +36,44 @@ enum Bytes {
 #[derive(Debug)]
 struct Tail {
     start: u64,
-    file: File,
+    bytes: Box<dyn ReadAt>,
 }
 
 impl LogFile {
-    /// Opens and locks a file. If a change of it was interrupted, that is undone first.
+    /// Opens and locks a file. An interrupted change of it is not noticed; see
+    /// [`journal::open`](crate::writer::journal::open).
     ///
     /// # Errors
     /// The file does not exist, is not a regular file, cannot be opened, or is locked by another run.
     pub fn open(path: &Path, access: Access) -> Result<Self, ReadError> {
+        Self::of_locked(path, Self::lock(path, access)?)
+    }
+
+    /// Opens and locks a file without looking into it.
+    pub(crate) fn lock(path: &Path, access: Access) -> Result<LockedFile, ReadError> {
         // Checked before opening, because opening a pipe waits for a writer.
         let metadata = std::fs::metadata(path).map_err(|source| cannot_open(path, source))?;
         if !metadata.is_file() {
             return Err(ReadError::NotAFile { path: path.into() });
         }
-        let mut recovered = false;
-        let mut file = open_locked(path, access)?;
-        // Checked while the lock is held, so that the journal is not that of a change under way.
-        while access == Access::Read && journal::exists(path) {
-            drop(file);
-            recovered |= recover(path)?;
-            file = open_locked(path, access)?;
-        }
-        if access == Access::Change {
-            recovered = journal::recover(&file, path)?;
-        }
-        Ok(Self {
-            recovered,
-            ..Self::of(path, Bytes::File(file))?
+        LockedFile::open(path, access).map_err(|error| match error {
+            OpenError::Io(source) => cannot_open(path, source),
+            OpenError::Locked => ReadError::Locked { path: path.into() },
+            OpenError::NoLocks(source) => ReadError::NoLocks {
+                path: path.into(),
+                source,
+            },
         })
+    }
+
+    /// A file that is locked already.
+    pub(crate) fn of_locked(path: &Path, file: LockedFile) -> Result<Self, ReadError> {
+        Self::of(path, Bytes::File(file))
+    }
+
+    /// Notes whether an interrupted change of the file was undone.
+    pub(crate) fn recovered(self, recovered: bool) -> Self {
+        Self { recovered, ..self }
     }
 
     /// A file of this process alone, which needs no lock, and its name in errors.
@@ -99,32 +105,35 @@ impl LogFile {
 
     /// The same log with the bytes from `start` on replaced by those of `tail`, which is `length` bytes long. Nothing
     /// is written.
-    pub fn with_tail(self, start: u64, tail: File, length: u64) -> Self {
+    pub fn with_tail(self, start: u64, tail: Box<dyn ReadAt>, length: u64) -> Self {
         Self {
             length: start + length,
-            tail: Some(Tail { start, file: tail }),
+            tail: Some(Tail { start, bytes: tail }),
             ..self
         }
     }
 
-    /// Saves the file's bytes from `start` on in a journal, after which they may be overwritten. The file must have
-    /// been opened to be changed.
+    /// Whether another log has the same bytes from `start` on.
     ///
     /// # Errors
-    /// The journal cannot be written, and nothing is left of it; or the bytes are not in a file.
-    pub fn change_from(
-        &self,
-        start: u64,
-        reached: &dyn Fn(JournalStep),
-    ) -> Result<Journal<'_>, JournalError> {
-        match &self.bytes {
-            Bytes::File(file) => Journal::begin(file, &self.path, start, reached),
-            Bytes::Other(_) => Err(JournalError::Io {
-                action: "cannot be changed in place",
-                path: self.path.clone(),
-                source: io::ErrorKind::Unsupported.into(),
-            }),
+    /// They cannot be read.
+    pub(crate) fn has_same_end(&self, other: &Self, start: u64) -> Result<bool, ReadError> {
+        const PIECE: u64 = 1024 * 1024;
+        if self.length != other.length {
+            return Ok(false);
         }
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        let mut offset = start;
+        while offset < self.length {
+            let length = PIECE.min(self.length - offset);
+            self.read_into(&mut ours, offset, length)?;
+            other.read_into(&mut theirs, offset, length)?;
+            if ours != theirs {
+                return Ok(false);
+            }
+            offset += length;
+        }
+        Ok(true)
     }
 
     /// Its path or name.
@@ -224,7 +233,7 @@ impl LogFile {
         bytes.read_exact_at(head, offset)?;
         match rest {
             [] => Ok(()),
-            rest => tail.file.read_exact_at(rest, offset + before - tail.start),
+            rest => tail.bytes.read_exact_at(rest, offset + before - tail.start),
         }
     }
 
@@ -253,26 +262,6 @@ impl Bytes {
     }
 }
 
-fn open_locked(path: &Path, access: Access) -> Result<LockedFile, ReadError> {
-    LockedFile::open(path, access).map_err(|error| match error {
-        OpenError::Io(source) => cannot_open(path, source),
-        OpenError::Locked => ReadError::Locked { path: path.into() },
-        OpenError::NoLocks(source) => ReadError::NoLocks {
-            path: path.into(),
-            source,
-        },
-    })
-}
-
 fn cannot_open(path: &Path, source: io::Error) -> ReadError {
     ReadError::io("cannot open the log", path, source)
-}
-
-/// Undoes an interrupted change, unless another run is doing so. Returns whether there was one.
-fn recover(path: &Path) -> Result<bool, ReadError> {
-    let file = open_locked(path, Access::Change).map_err(|error| match error {
-        ReadError::Io { source, .. } => journal::not_recovered(path, source).into(),
-        other => other,
-    })?;
-    Ok(journal::recover(&file, path)?)
 }

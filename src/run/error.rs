@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{error::Error, log::JournalError, report::MissingTopic, writer::original::Lost};
+use crate::{error::Error, report::MissingTopic, writer::original::Lost};
 
 /// Why a run has no result, apart from problems with its input and its output.
 #[derive(Debug, thiserror::Error)]
@@ -39,16 +39,6 @@ pub enum RunError {
 
     #[error("{}: interrupted; {left}", path.display())]
     Interrupted { path: PathBuf, left: Left },
-
-    #[error(
-        "{cause}\n{}: moreover, the log could not be brought back to what it was ({rollback})",
-        path.display()
-    )]
-    RollBack {
-        path: PathBuf,
-        cause: Box<Error>,
-        rollback: JournalError,
-    },
 }
 
 /// What an interrupted run leaves.

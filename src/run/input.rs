@@ -10,6 +10,8 @@ use crate::{
     error::Error,
     fs::ReadAt,
     log::{Access, file::LogFile},
+    watch::Watch,
+    writer::journal,
 };
 
 /// Where a log comes from. Any path is one.
@@ -58,13 +60,16 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Opens it for reading by position.
+    /// Opens it for reading by position. If a change in place was interrupted, that is undone first.
     ///
     /// # Errors
     /// It is a stream, or it cannot be opened.
-    pub(crate) fn open(self, access: Access) -> Result<LogFile, Error> {
+    pub(crate) fn open(self, access: Access, watch: &Watch) -> Result<LogFile, Error> {
         match self {
-            Self::File(path) => Ok(LogFile::open(&path, access)?),
+            Self::File(path) => {
+                let announce = |interrupted: &_| watch.recovering(interrupted);
+                Ok(journal::open(&path, access, &announce)?)
+            }
             Self::Bytes { name, bytes } => Ok(LogFile::from_bytes(&name, bytes)?),
             Self::Stream { name, .. } => Err(RunError::Stream { name }.into()),
         }

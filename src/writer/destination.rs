@@ -1,25 +1,13 @@
 //! A new file, which appears under its name only when it is complete.
 
-#[cfg(unix)]
-use std::os::unix::fs::PermissionsExt;
 use std::{
-    ffi::OsString,
     fs::{self, File, Permissions},
     io::{self, ErrorKind},
     path::{Path, PathBuf},
 };
 
-use tempfile::NamedTempFile;
-
-use super::error::WriteError;
-use crate::{
-    fs::{grant, sync_folder},
-    log::journal::journal_of,
-};
-
-/// The permissions of a new file before the user's mask is applied.
-#[cfg(unix)]
-const NEW_FILE: u32 = 0o666;
+use super::{error::WriteError, journal::journal_of};
+use crate::fs::{NewFile, folder_of, sync_folder};
 
 /// A file that is to be written.
 #[derive(Debug, Clone)]
@@ -40,10 +28,7 @@ impl Destination {
         if path.is_dir() || names_a_folder {
             return Err(WriteError::OutputIsFolder { path: path.into() });
         }
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-            _ => PathBuf::from("."),
-        };
+        let folder = folder_of(path).to_owned();
         if !folder.is_dir() {
             return Err(WriteError::NoFolder {
                 path: path.into(),
@@ -77,28 +62,16 @@ impl Destination {
         &self.path
     }
 
-    /// Creates the file under a temporary name in the same folder, with these permissions, or else with those of any
-    /// new file.
+    /// Creates the file, which has no name yet, in its folder, with these permissions, or else with those of any new
+    /// file.
     pub(crate) fn create(&self, permissions: Option<Permissions>) -> Result<Pending, WriteError> {
-        let mut prefix = OsString::from(".");
-        prefix.push(self.path.file_name().unwrap_or_default());
-        prefix.push(".");
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix).suffix(".part");
-        #[cfg(unix)]
-        builder.permissions(Permissions::from_mode(NEW_FILE));
-        let file = builder
-            .tempfile_in(&self.folder)
-            .and_then(|file| match permissions {
-                Some(permissions) => grant(file.as_file(), permissions).map(|()| file),
-                None => Ok(file),
-            })
-            .map_err(|source| WriteError::CannotCreate {
+        let name = self.path.file_name().unwrap_or_default();
+        let file = NewFile::create(&self.folder, name, permissions);
+        Ok(Pending {
+            file: file.map_err(|source| WriteError::CannotCreate {
                 path: self.path.clone(),
                 source,
-            })?;
-        Ok(Pending {
-            file,
+            })?,
             destination: self.clone(),
         })
     }
@@ -109,16 +82,16 @@ impl Destination {
     }
 }
 
-/// A file that is being written. It is removed again unless it is committed.
+/// A file that is being written. Nothing is left of it unless it is committed.
 #[derive(Debug)]
 pub(crate) struct Pending {
-    file: NamedTempFile,
+    file: NewFile,
     destination: Destination,
 }
 
 impl Pending {
     pub fn file(&self) -> &File {
-        self.file.as_file()
+        self.file.file()
     }
 
     /// Makes the file durable and gives it its name.
@@ -128,17 +101,13 @@ impl Pending {
     pub fn commit(self) -> Result<(), WriteError> {
         let Self { file, destination } = self;
         let failed = |source| destination.write_error(source);
-        file.as_file().sync_all().map_err(failed)?;
-        let persisted = if destination.overwrite {
-            file.persist(&destination.path)
-        } else {
-            file.persist_noclobber(&destination.path)
-        };
-        persisted.map_err(|error| match error.error.kind() {
+        file.file().sync_all().map_err(failed)?;
+        let named = file.give_name(&destination.path, destination.overwrite);
+        named.map_err(|error| match error.kind() {
             ErrorKind::AlreadyExists => WriteError::OutputExists {
                 path: destination.path.clone(),
             },
-            _ => failed(error.error),
+            _ => failed(error),
         })?;
         sync_folder(&destination.path).map_err(failed)
     }

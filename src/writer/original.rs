@@ -72,7 +72,10 @@ impl Original {
         };
         let undone = Ok(provenance::earlier_run(&log)?);
         let start = message.data_end;
-        let log = Log::read(log.file.with_tail(start, tail, message.tail_length))?;
+        let log = Log::read(
+            log.file
+                .with_tail(start, Box::new(tail), message.tail_length),
+        )?;
         // Its data section is read from the file itself, so the tail must not contain a part of that.
         if log.data_end != start {
             return Err(log.file.damaged(start, Damage::MisplacedEnd));

@@ -52,8 +52,6 @@ mod inspect {
 }
 
 mod log {
-    // Recovery after an interrupted change.
-    mod journal;
     // Log times from indexes.
     mod message_times;
     // Logs from a pipe.
@@ -94,4 +92,6 @@ mod transform {
 mod writer {
     mod append;
     mod interleave;
+    // Recovery after an interrupted change.
+    mod journal;
 }

@@ -3,14 +3,10 @@
 
 use std::{collections::BTreeSet, fs};
 
-use flightcam::{
-    log::{Access, Log, file::LogFile},
-    writer::original::Original,
-};
+use flightcam::writer::journal::JournalStep;
 
-use crate::support::{folder::*, shapes::*, small_disk::run_mounting, *};
+use crate::support::{folder::*, interrupted::*, shapes::*, small_disk::run_mounting, *};
 
-const JOURNAL: &str = "flight.mcap.flightcam-journal";
 /// What `ulimit -f` counts in.
 const BLOCK: usize = 512;
 
@@ -49,8 +45,8 @@ fn run(folder: &Folder, limit: usize, arguments: &str, message: &str) -> Outcome
     }
     assert_reads(
         &err,
-        "flight.mcap: moreover, the log could not be brought back to what it was (… File too large …) … when there \
-         is room again, `flightcam restore` does that",
+        "flight.mcap: the log could not be restored either (File too large …); … has its old end … when there is \
+         room again, `flightcam restore` does that",
     );
     // A log that is still intact is rolled back like one that is not.
     folder.run_limited(UNLIMITED, "inspect flight.mcap --depression 30");
@@ -125,76 +121,56 @@ fn a_new_file_that_runs_out_of_space_is_removed() {
 #[test]
 fn a_change_in_place_that_runs_out_of_space_is_undone() {
     for [log, result] in logs() {
-        for (before, arguments, after) in [
-            (
-                &log,
-                "enrich flight.mcap --depression 30 --in-place",
-                &result,
-            ),
-            (
-                &result,
-                "enrich flight.mcap --depression 30 --in-place",
-                &result,
-            ),
-            (&result, "restore flight.mcap", &log),
-        ] {
+        for change in CHANGES {
+            let Ends { before, after, .. } = Ends::of(&log, change);
+            let arguments = match change {
+                Change::Enrich => "enrich flight.mcap --depression 30 --in-place",
+                Change::Replace => "enrich flight.mcap --depression 60 --in-place",
+                Change::Restore => "restore flight.mcap",
+            };
             let tail = log.len() - original_tail(&result).data_end as usize;
-            let kept = if before == &log { 0 } else { tail };
-            let journal = journal_length(before);
-            let room = limits(&[kept, journal, log.len() / 2, log.len(), result.len()]);
+            let kept = if change == Change::Enrich { 0 } else { tail };
+            let journal = journal_length(&before, change);
+            let room = limits(&[kept, journal, log.len() / 2, log.len(), after.len()]);
             for limit in room {
-                let folder = Folder::with(LOG, before);
+                let folder = Folder::with(LOG, &before);
                 let room = limit * BLOCK;
                 let (expected, message) = if room < kept {
                     let message =
                         "flight.mcap: cannot uncompress the original's end into a temporary file";
                     (Outcome::Undone, message)
                 } else if room < journal {
-                    let message = "…flight.mcap.flightcam-journal: cannot save the log's end";
-                    (Outcome::Undone, message)
+                    (Outcome::Undone, "…flight.mcap…: cannot …")
                 } else if room >= after.len() {
                     (Outcome::Done, "")
                 } else if room >= before.len() {
-                    (Outcome::Undone, "flight.mcap: cannot write the …")
+                    (Outcome::Undone, "flight.mcap: cannot write the log")
                 } else {
-                    (Outcome::Recovered, "flight.mcap: cannot write the …")
+                    (Outcome::Recovered, "flight.mcap: cannot write the log")
                 };
                 let outcome = run(&folder, limit, arguments, message);
                 assert_eq!(outcome, expected, "{arguments} with {limit} blocks");
                 if outcome == Outcome::Done {
-                    assert!(folder.read_only_one(LOG) == *after);
+                    assert!(folder.read_only_one(LOG) == after);
                 }
             }
         }
     }
 }
 
-/// How long a log's journal is.
-fn journal_length(log: &[u8]) -> usize {
+/// How long the journal of a change is.
+fn journal_length(log: &[u8], change: Change) -> usize {
     let folder = Folder::with(LOG, log);
-    let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
-    let log = Original::of(Log::read(file).expect("a log"))
-        .expect("its original")
-        .log;
-    log.file
-        .change_from(log.data_end, &|_| {})
-        .expect("a journal");
+    interrupt(&folder, change, JournalStep::JournalDurable);
     folder.read(JOURNAL).len()
 }
 
 #[test]
 fn a_log_that_cannot_be_rolled_back_for_lack_of_space_keeps_its_journal() {
-    let log = with_zeros_at_the_end();
+    let ends = Ends::of(&with_zeros_at_the_end(), Change::Enrich);
     for arguments in ["inspect flight.mcap --depression 30", "restore flight.mcap"] {
-        let folder = Folder::with(LOG, &log);
-        let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
-        let opened = Log::read(file).expect("a log");
-        opened
-            .file
-            .change_from(opened.data_end, &|_| {})
-            .expect("a journal");
-        folder.add(LOG, &log[..opened.data_end as usize]);
-        drop(opened);
+        let folder = before_the_first_write(&ends, Change::Enrich);
+        folder.add(LOG, &ends.before[..ends.start]);
         let journal = folder.read(JOURNAL);
         let (code, _, err) = folder.run_limited(10, arguments);
         assert_eq!(code, 1);
@@ -204,7 +180,7 @@ fn a_log_that_cannot_be_rolled_back_for_lack_of_space_keeps_its_journal() {
         );
         assert!(folder.read(JOURNAL) == journal);
         folder.run(arguments, 0);
-        assert!(folder.read_only_one(LOG) == log);
+        assert!(folder.read_only_one(LOG) == ends.before);
     }
 }
 
@@ -270,7 +246,8 @@ fn a_full_disk_loses_nothing() {
     let in_place = "enrich flight.mcap --depression 30 --in-place";
     let restore = "restore flight.mcap -o flight.original";
     let failed = logs().map(|[log, result]| {
-        let enough = 2 * (log.len() + result.len());
+        // Restoring takes the original's end in a temporary file and in the journal.
+        let enough = 3 * (log.len() + result.len());
         Some([
             on_small_disks(&log, copied, (RESULT, &result), enough)?,
             on_small_disks(&log, in_place, (LOG, &result), enough)?,

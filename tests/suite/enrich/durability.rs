@@ -7,9 +7,9 @@ use std::{
 };
 
 use assert_cmd::cargo::cargo_bin;
-use flightcam::log::{Access, Log, file::LogFile};
+use flightcam::writer::journal::JournalStep;
 
-use crate::support::{folder::*, *};
+use crate::support::{folder::*, interrupted::*, shapes::*, *};
 
 /// The system calls that change files; not every machine has all of them.
 const CALLS: &str = "trace=flock,write,pwrite64,?copy_file_range,?sendfile,ftruncate,fsync,?unlink,unlinkat,\
@@ -63,16 +63,18 @@ fn call(line: &str, folder: &str) -> Option<String> {
     let (_, file) = arguments.rsplit_once(folder)?;
     let file = match file.trim_start_matches('/').split(['>', '"']).next()? {
         "" => "the folder",
-        file if file.ends_with(".part") => "a hidden file",
+        file if file.starts_with('#') => "a file without a name",
+        file if file.ends_with(".flightcam-part") => "a hidden file",
         file => file,
     };
     Some(format!("{call} {file}"))
 }
 
-const CHANGE: [&str; 10] = [
+const CHANGE: [&str; 11] = [
     "flock flight.mcap",
-    "write flight.mcap.flightcam-journal",
-    "fsync flight.mcap.flightcam-journal",
+    "write a file without a name",
+    "fsync a file without a name",
+    "rename flight.mcap.flightcam-journal",
     "fsync the folder",
     "write flight.mcap",
     "ftruncate flight.mcap",
@@ -100,14 +102,9 @@ fn the_journal_is_durable_before_the_log_changes_and_kept_until_the_change_is() 
 #[test]
 fn a_rolled_back_log_is_durable_before_its_journal_is_removed() {
     let folder = Folder::with_flight();
-    let file = LogFile::open(&folder.path(LOG), Access::Change).expect("it is opened");
-    let log = Log::read(file).expect("a log");
-    log.file
-        .change_from(log.data_end, &|_| {})
-        .expect("a journal");
-    drop(log);
+    interrupt(&folder, Change::Enrich, JournalStep::JournalDurable);
     if let Some(calls) = calls(&folder, "inspect flight.mcap --depression 30") {
-        assert_eq!(calls, [&CHANGE[..1], &CHANGE[4..]].concat());
+        assert_eq!(calls, [&CHANGE[..1], &CHANGE[5..]].concat());
     }
 }
 
@@ -122,23 +119,28 @@ fn a_new_file_is_durable_before_it_gets_its_name() {
         let Some(calls) = calls(&folder, arguments) else {
             return;
         };
-        let expected = [
-            "write a hidden file",
-            "fsync a hidden file",
+        let mut expected = vec![
+            "write a file without a name",
+            "fsync a file without a name",
             "rename the folder",
             "fsync the folder",
         ];
+        if arguments.contains("--force") {
+            // The name is taken, so the file gets it by way of another one.
+            expected.splice(3..3, ["rename a hidden file", "rename the folder"]);
+        }
         let written = calls.iter().filter(|call| !call.starts_with("flock"));
         assert!(written.eq(&expected), "{arguments}: {calls:#?}");
     }
 }
 
 /// The calls of a change in place that may fail, and how many there are of each.
-const FALLIBLE: [(&str, usize); 5] = [
+const FALLIBLE: [(&str, usize); 6] = [
     ("write", 1),
     ("pwrite64", 5),
     ("fsync", 4),
     ("ftruncate", 1),
+    ("linkat", 1),
     ("?unlink,unlinkat", 1),
 ];
 

@@ -13,8 +13,9 @@ use std::{
 
 use flightcam::{
     Error, Output, Progress, Watch, enrich,
-    log::{Access, file::LogFile, journal::JournalStep},
+    log::{Access, file::LogFile},
     restore,
+    writer::journal::JournalStep,
 };
 
 use crate::support::{folder::*, shapes::*, *};
@@ -144,18 +145,15 @@ mod on_unix {
     use std::{
         fs,
         os::unix::fs::{MetadataExt, symlink},
+        panic::{self, AssertUnwindSafe},
         process::{Child, Command, Output, Stdio},
         thread,
         time::Duration,
     };
 
-    use assert_cmd::cargo::cargo_bin;
-    use flightcam::log::Log;
-
     use super::*;
-    use crate::support::small_disk::run_mounting;
-
-    const JOURNAL: &str = "flight.mcap.flightcam-journal";
+    use crate::support::{interrupted::JOURNAL, small_disk::run_mounting};
+    use assert_cmd::cargo::cargo_bin;
 
     /// A log with which the program is busy for a while.
     fn folder_with_long_log() -> (Folder, Vec<u8>) {
@@ -168,21 +166,20 @@ mod on_unix {
         (Folder::with(LOG, &log), log)
     }
 
-    /// Starts the program and waits until there is a file in the folder whose name ends like this.
-    fn start(folder: &Folder, arguments: &str, sign: &str) -> Child {
+    /// Starts the program and waits until it has a new file in the folder, which has no name yet.
+    fn start(folder: &Folder, arguments: &str) -> Child {
         let mut program = Command::new(cargo_bin!("flightcam"));
         program
             .args(arguments.split(' '))
             .current_dir(folder.path("."));
         program.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut program = program.spawn().expect("the program");
-        let is_sign = |entry: fs::DirEntry| entry.file_name().to_string_lossy().ends_with(sign);
-        let folder = folder.path(".");
-        while !fs::read_dir(&folder)
-            .expect("the folder")
-            .flatten()
-            .any(is_sign)
-        {
+        let open = format!("/proc/{}/fd", program.id());
+        let is_new = |entry: fs::DirEntry| {
+            let file = fs::read_link(entry.path()).unwrap_or_default();
+            file.to_string_lossy().contains("/#")
+        };
+        while !(fs::read_dir(&open).into_iter().flatten().flatten()).any(is_new) {
             let ended = program.try_wait().expect("it can be asked");
             assert_eq!(ended, None, "it is busy for long enough");
             thread::sleep(Duration::from_millis(1));
@@ -211,19 +208,14 @@ mod on_unix {
             "enrich flight.mcap --depression 30 --in-place",
         );
         for by in ["INT", "TERM"] {
-            for (arguments, sign, message) in [
+            for (arguments, message) in [
                 (
                     enrich,
-                    ".part",
                     "flight.enriched.mcap: interrupted; nothing was written",
                 ),
-                (
-                    in_place,
-                    JOURNAL,
-                    "flight.mcap: interrupted; the log is as it was",
-                ),
+                (in_place, "flight.mcap: interrupted; the log is as it was"),
             ] {
-                let program = start(&folder, arguments, sign);
+                let program = start(&folder, arguments);
                 signal(&program, &[by]);
                 let (code, err) = ended(program);
                 assert_eq!((code, err), (Some(1), format!("error: {message}\n")));
@@ -238,16 +230,10 @@ mod on_unix {
     #[test]
     fn a_second_signal_ends_the_program_at_once() {
         let (folder, log) = folder_with_long_log();
-        let program = start(
-            &folder,
-            "enrich flight.mcap --depression 30 --in-place",
-            JOURNAL,
-        );
+        let program = start(&folder, "enrich flight.mcap --depression 30 --in-place");
         // Stopped meanwhile, so that both come before it can do anything about the first.
         signal(&program, &["STOP", "INT", "TERM", "CONT"]);
         assert_eq!(ended(program), (Some(1), String::new()));
-        assert!(folder.path(JOURNAL).exists());
-        folder.run("inspect flight.mcap --depression 30", 0);
         assert!(folder.read_only_one(LOG) == log);
     }
 
@@ -286,14 +272,22 @@ mod on_unix {
         );
 
         // A change interrupted under one name is rolled back under the other.
-        let file = LogFile::open(&folder.path("link.mcap"), Access::Change).expect("it is opened");
-        let opened = Log::read(file).expect("a log");
-        opened
-            .file
-            .change_from(opened.data_end, &|_| {})
-            .expect("a journal");
-        folder.add("logs/flight.mcap", &enriched[..opened.data_end as usize]);
-        drop(opened);
+        let half = || {
+            let reached = |step| {
+                if step == JournalStep::LogWritten {
+                    panic::resume_unwind(Box::new("interrupted"));
+                }
+            };
+            let options = options_at(60.0).on_step(reached);
+            enrich(
+                folder.path("link.mcap"),
+                flightcam::Output::InPlace,
+                &options,
+            )
+            .map(drop)
+        };
+        assert!(panic::catch_unwind(AssertUnwindSafe(half)).is_err());
+        assert!(folder.read("logs/flight.mcap") != enriched);
         folder.run("inspect logs/flight.mcap --depression 30", 0);
         assert!(folder.read("logs/flight.mcap") == enriched);
         folder.run("restore link.mcap", 0);

@@ -19,31 +19,17 @@ use std::{
 use assert_cmd::cargo::cargo_bin;
 use flightcam::{
     Output, Watch, enrich,
-    log::{Log, journal::JournalStep},
+    log::Access,
     restore,
+    writer::journal::{self, JournalStep},
 };
 use signal_hook::{consts::SIGKILL, low_level::raise};
 
-use crate::support::{folder::*, shapes::*, *};
-
-const JOURNAL: &str = "flight.mcap.flightcam-journal";
-
-/// A change of a log in place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Change {
-    /// Of the original.
-    Enrich,
-    /// Of the result that an angle of 30° gave, for one of 60°.
-    Replace,
-    /// Of the result that an angle of 30° gave.
-    Restore,
-}
+use crate::support::{folder::*, interrupted::*, shapes::*, *};
 
 /// What the next run does first with a log of which a change was killed.
 #[derive(Debug)]
 struct Recover;
-
-const CHANGES: [Change; 3] = [Change::Enrich, Change::Replace, Change::Restore];
 
 /// When a run is killed.
 #[derive(Debug, Clone, Copy)]
@@ -139,7 +125,7 @@ fn child_process() {
         drop(enrich(log, Output::InPlace, &options).expect("a result"));
     };
     match change {
-        "Recover" => drop(Log::open(log).expect("a log")),
+        "Recover" => drop(journal::open(log, Access::Read, &|_| {}).expect("a log")),
         "Restore" => {
             let watch = Watch::new(watch).on_step(reached);
             drop(restore(log, Output::InPlace, &watch).expect("the original"));
@@ -323,9 +309,8 @@ fn a_run_that_is_killed_at_a_step_loses_nothing() {
                 assert_eq!(status.signal(), Some(SIGKILL), "{step:?}");
                 let found = look(&folder, &logs, change, tally.killed as usize);
                 let expected = match step {
-                    JournalStep::JournalCreated
-                    | JournalStep::JournalWritten
-                    | JournalStep::JournalDurable => Found::Saved,
+                    JournalStep::JournalWritten => Found::Before,
+                    JournalStep::JournalNamed | JournalStep::JournalDurable => Found::Saved,
                     JournalStep::LogWritten | JournalStep::LogCut | JournalStep::LogDurable => {
                         Found::Half
                     }

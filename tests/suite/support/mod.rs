@@ -4,6 +4,7 @@ pub mod flights;
 pub mod folder;
 pub mod help;
 pub mod inspection;
+pub mod interrupted;
 pub mod judge;
 pub mod layout;
 pub mod logbook;
