@@ -1,4 +1,4 @@
-//! How the camera is mounted on the drone, and where it looks because of that.
+//! How the camera is mounted on the drone, and where it therefore looks.
 //!
 //! Frames and angles are those of [`geometry`](crate::geometry): NED, drone (FRD) and camera, `v_a = r_ab * v_b`.
 
@@ -15,7 +15,7 @@ use crate::{
 /// How the camera is mounted on the drone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Camera {
-    /// On a gimbal that cancels the drone's roll and pitch and holds a fixed angle below the horizon:
+    /// A camera on a gimbal that cancels the drone's roll and pitch and holds a fixed angle below the horizon:
     /// `R_ned_camera = Rz(ψ + yaw_offset) Ry(−θ)`, where ψ is the heading of the drone's nose.
     Stabilised {
         /// θ, the angle of the optical axis below the horizon.
@@ -23,9 +23,10 @@ pub enum Camera {
         /// How far to the right of the nose the camera looks, radians.
         yaw_offset: f64,
     },
-    /// Bolted to the airframe: it rolls and pitches with the drone, `R_ned_camera = R_ned_drone R_drone_camera`.
+    /// A camera bolted to the airframe: it rolls and pitches with the drone,
+    /// `R_ned_camera = R_ned_drone R_drone_camera`.
     Fixed(Mount),
-    /// On a gimbal whose orientation is in the log.
+    /// A camera on a gimbal whose orientation is in the log.
     Gimbal,
 }
 
@@ -41,7 +42,7 @@ pub enum CameraError {
         "a mount with roll or pitch contradicts a depression angle: a gimballed camera does not tilt with the drone"
     )]
     TiltedMount,
-    /// A mount was given, and where the angles of a gimbal are.
+    /// Both a mount and the location of a gimbal's angles were given.
     #[error(
         "a mount contradicts a gimbal: a camera that is bolted to the airframe follows no gimbal"
     )]
@@ -58,12 +59,12 @@ impl Camera {
         kinds
     }
 
-    /// Where the camera looks: `R_ned_camera` for the drone's attitude `q_ned_drone` (FRD to NED), or `None`
-    /// where it follows the heading of a nose that points straight up or down
+    /// Where the camera looks: `R_ned_camera` for the drone's attitude `q_ned_drone` (FRD to NED), or `None` if it
+    /// follows the heading of a nose that points straight up or down
     /// ([`MIN_GROUND_PROJECTION`](crate::geometry::MIN_GROUND_PROJECTION)).
     ///
-    /// `gimbal` gives the gimbal's orientation at that time, camera to reference, and its reference. It is
-    /// asked only if the camera follows the gimbal.
+    /// `gimbal` returns the gimbal's orientation at that time, camera to reference, and its reference. It is called
+    /// only if the camera follows the gimbal.
     ///
     /// ```
     /// use std::convert::Infallible;
@@ -101,16 +102,16 @@ impl Camera {
     }
 }
 
-/// `Rz(angle) R`.
+/// Computes `Rz(angle) R`.
 fn turned_right(r: &Rotation3<f64>, angle: f64) -> Rotation3<f64> {
-    // Multiplied by the identity a zero can lose its sign, and half a turn with it its own.
+    // Multiplying by the identity can turn -0 into 0, which flips the sign of a 180° angle.
     if angle == 0.0 {
         return *r;
     }
     Rotation3::from_axis_angle(&Vector3::z_axis(), angle) * r
 }
 
-/// `R_ned_reference`, or `None` for the heading of a vertical nose.
+/// Computes `R_ned_reference`; `None` if the reference is the heading and the nose is vertical.
 fn reference_rotation(
     q_ned_drone: &UnitQuaternion<f64>,
     reference: GimbalReference,
@@ -124,14 +125,14 @@ fn reference_rotation(
 
 /// The fixed orientation of a camera on the airframe, `R_drone_camera = Rz(yaw) Ry(pitch) Rx(roll)`.
 ///
-/// All zero is a camera that looks ahead; positive angles are to the right, up, and clockwise as the camera
-/// sees it. Roll 0°, pitch −30°, yaw 0° looks ahead and 30° down.
+/// If all are zero, the camera looks ahead; positive angles turn it to the right, up, and clockwise as seen from
+/// behind. Roll 0°, pitch −30°, yaw 0° looks ahead and 30° down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     degrees: [f64; 3],
 }
 
-/// Roll, pitch and yaw of a mount, in degrees, one of which is out of range.
+/// Roll, pitch and yaw of a mount in degrees, at least one of them out of range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "a mount of roll {}°, pitch {}°, yaw {}° is out of range: roll and yaw must be from -180 to 180, pitch \
@@ -140,13 +141,13 @@ pub struct Mount {
 pub struct MountOutOfRange(pub [f64; 3]);
 
 impl Mount {
-    /// From degrees of roll, pitch (up) and yaw (to the right).
+    /// Creates a mount from roll, pitch (up) and yaw (to the right) in degrees.
     ///
     /// # Errors
     /// Roll or yaw outside −180 to 180, pitch outside −90 to 90, or one is not a number.
     pub fn from_degrees(roll: f64, pitch: f64, yaw: f64) -> Result<Self, MountOutOfRange> {
         let degrees = [roll, pitch, yaw];
-        // A comparison that a NaN fails.
+        // This comparison is false for NaN.
         let in_range = |(angle, limit): (f64, f64)| angle.abs() <= limit;
         if degrees.into_iter().zip([180.0, 90.0, 180.0]).all(in_range) {
             Ok(Self { degrees })
@@ -160,7 +161,7 @@ impl Mount {
         self.degrees
     }
 
-    /// `R_drone_camera`: turns camera coordinates into those of the drone (FRD).
+    /// The rotation `R_drone_camera`, which turns camera coordinates into those of the drone (FRD).
     pub fn to_rotation(self) -> Rotation3<f64> {
         let [roll, pitch, yaw] = self.degrees.map(f64::to_radians);
         RollPitchYaw { roll, pitch, yaw }.to_rotation()

@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand, each with its arguments and what it prints.
+//! The command line: one file per subcommand, with its arguments and what it prints.
 
 mod camera;
 mod completions;
@@ -52,7 +52,7 @@ enum Command {
     Manual(manual::Arguments),
 }
 
-/// What scripts learn from an exit, as [`EXIT_CODES`] says.
+/// The program's exit codes, which [`EXIT_CODES`] explains.
 enum Exit {
     Done,
     Failed,
@@ -73,7 +73,7 @@ impl From<Exit> for ExitCode {
 
 /// Runs what the arguments ask for. Wrong arguments end the process here, with an explanation.
 pub fn run() -> ExitCode {
-    // A file that may not grow any more is an error of writing, which has a message; the signal would kill.
+    // Report hitting the file-size limit as a write error; by default SIGXFSZ would kill the process.
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
     let result = match Cli::parse().command {
@@ -92,7 +92,7 @@ pub fn run() -> ExitCode {
         .into()
 }
 
-/// Writes to standard error, which is not worth failing for.
+/// Writes to standard error. A failure to do so is ignored.
 fn complain(what: &str, message: &str) {
     let _ = writeln!(io::stderr(), "{what}: {message}");
 }
@@ -111,7 +111,7 @@ fn announce(interrupted: &Interrupted) {
     );
 }
 
-/// What was wrong, and below it what to do about it.
+/// Describes an error and, below it, what to do about it.
 fn explain(error: &Error) -> String {
     match hint::hint(error) {
         Some(hint) => format!("{error}\nhint: {hint}"),
@@ -127,7 +127,7 @@ fn exit_for(error: &Error) -> Exit {
     }
 }
 
-/// Ends the process over arguments that do not go together.
+/// Ends the process because of arguments that do not go together.
 fn wrong_arguments(kind: ErrorKind, problem: &str) -> ! {
     Cli::command().error(kind, problem).exit()
 }
@@ -137,13 +137,13 @@ fn number(text: &str) -> Result<f64, String> {
         .map_err(|_| "not a number; write it as 30 or 30.5".to_owned())
 }
 
-/// A report for scripts.
+/// Formats a report for scripts.
 fn to_json(report: &impl Serialize) -> String {
     serde_json::to_string_pretty(report).expect("reports have only string keys")
 }
 
-/// Writes a result to standard output. A reader that stops reading early is no error; any other trouble is
-/// worth a warning, but what was done is done.
+/// Writes a result to standard output. A reader that stops reading early is not an error; any other failure only causes
+/// a warning, because the work itself is done.
 fn print_result(text: &str) {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
@@ -154,7 +154,7 @@ fn print_result(text: &str) {
     }
 }
 
-/// Writes a result to standard error, where standard output has something else.
+/// Writes a result to standard error, because standard output is used for something else.
 fn print_aside(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }

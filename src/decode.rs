@@ -3,11 +3,11 @@
 //! | file | subject |
 //! | --- | --- |
 //! | [`path`] | paths to fields, as users and profiles write them |
-//! | `field` | what is wanted of a field, and what a schema says that it is |
+//! | `field` | what is wanted of a field, and what the schema says it is |
 //! | `schema` | the schema and the decoder of a channel, in any encoding: what other modules use |
-//! | `resolve` | a path → a place in a schema; the walk that all encodings share |
+//! | `resolve` | a path → a place in a schema; all encodings share this walk |
 //! | `tree` | the wanted fields of a message, resolved, as decoders walk them |
-//! | `value` | what the wanted fields of one message held |
+//! | `value` | the values of the wanted fields of one message |
 //! | `error` | why fields cannot be read from a channel's messages |
 //! | `protobuf`, `json`, `ros` | the encodings |
 //!

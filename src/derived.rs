@@ -45,7 +45,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them, in their order.
+    /// All quantities, in their order.
     pub const ALL: [Quantity; 2] = [Quantity::RelativeRpy, Quantity::CameraVelocity];
 
     /// The kinds of sample that it is derived from, and how many usable ones of each it takes to derive the first

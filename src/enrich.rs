@@ -33,20 +33,21 @@ use job::{Derivation, Job};
 use plan::Plan;
 use target::Target;
 
-/// What takes the derived values, in the order of their times: a writer of a log, a table, a page.
+/// Receives the derived values in the order of their times, for example a log writer.
 pub(crate) trait Sink {
     /// Takes the next values.
     ///
     /// # Errors
-    /// It cannot take them, or does not want any more.
+    /// It cannot take them, or has stopped early.
     fn take(&mut self, values: &[Derived]) -> Result<(), Stopped>;
 }
 
 /// Writes a log with the camera's channels. If the log is already enriched, the earlier result is replaced.
 ///
 /// # Errors
-/// What is wrong with the log, the options or the output. Then there is no new file, and a log in place is as it was. A
-/// stream may have got a part of the result, or, if the log comes from a stream too, the log as it is.
+/// Something is wrong with the log, the options or the output. Then there is no new file, and a log that was to be
+/// changed in place is unchanged. A stream may have received a part of the result or, if the log comes from a stream
+/// too, the log as it is.
 pub fn enrich<'a>(
     input: impl Into<Input<'a>>,
     output: impl Into<Output<'a>>,
@@ -54,7 +55,7 @@ pub fn enrich<'a>(
 ) -> Result<Report, Error> {
     let (input, output) = (input.into(), output.into());
     let run = Run::new(&options.watch, output.name(input.name()), output.left());
-    run.attend(|| match input {
+    run.run_watched(|| match input {
         Input::Stream { name, stream } => {
             stream::enrich(Named::new(&name, stream), output, options, &run)
         }
@@ -138,7 +139,7 @@ fn write(
 /// order of their times. Returns what became of the samples; `None` if `take` ended the derivation.
 ///
 /// # Errors
-/// What is wrong with the log or the options.
+/// Something is wrong with the log or the options.
 pub fn derive<'a>(
     input: impl Into<Input<'a>>,
     options: &Options,
@@ -146,7 +147,7 @@ pub fn derive<'a>(
 ) -> Result<Option<Outcome>, Error> {
     let input = input.into();
     let run = Run::new(&options.watch, input.name().into(), Left::Nothing);
-    run.attend(|| {
+    run.run_watched(|| {
         let log = match input {
             Input::Stream { name, stream } => {
                 stream::telemetry(Named::new(&name, stream), options, &run)?

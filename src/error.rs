@@ -40,7 +40,7 @@ pub enum Error {
     #[error(transparent)]
     Write(WriteError),
 
-    /// The log cannot be changed in place, or not be brought back to what it was.
+    /// The log cannot be changed in place, or cannot be restored.
     #[error(transparent)]
     Journal(JournalError),
 
@@ -49,7 +49,7 @@ pub enum Error {
     Run(#[from] RunError),
 }
 
-// Whichever layer reads the log, that it cannot be read is the same error.
+// A read failure is the same error in every layer.
 
 impl From<TelemetryError> for Error {
     fn from(error: TelemetryError) -> Self {
@@ -79,7 +79,7 @@ impl From<WriteError> for Error {
 }
 
 impl Error {
-    /// Whether the log could not be read, as opposed to not having what is looked for.
+    /// Whether the log could not be read, as opposed to not containing what is looked for.
     pub(crate) fn is_of_reading(&self) -> bool {
         matches!(
             self,

@@ -15,7 +15,7 @@ use std::{
 
 // ---- Reading and writing by position ----
 
-/// Bytes that can be read by their position: those of a file, of an object in a bucket, of memory.
+/// Bytes that can be read by position: those of a file, of an object in a bucket, of memory.
 ///
 /// Several threads read at the same time.
 pub trait ReadAt: fmt::Debug + Send + Sync {
@@ -144,7 +144,7 @@ fn write_at(file: &File, bytes: &[u8], offset: u64) -> io::Result<usize> {
     std::os::windows::fs::FileExt::seek_write(file, bytes, offset)
 }
 
-/// Copies some bytes of a file, at least one and `most` at most. Returns how many.
+/// Copies some bytes of a file, at least one and at most `most`. Returns how many.
 ///
 /// If the output is a file or a pipe, the kernel does so without the bytes passing through this program, and if the
 /// file system can share them, without copying them at all. This uses the position of the input's handle, which nothing
@@ -168,12 +168,12 @@ pub fn copy(mut input: &File, offset: u64, most: u64, output: &mut impl Write) -
 
 // ---- Locks ----
 
-/// What is going to happen to a file, and so which lock it needs.
+/// How a file will be used, which determines the lock that it needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
-    /// It is read, as others may do at the same time.
+    /// The file is read; others may read it at the same time.
     Read,
-    /// It is read and changed in place, while nobody else has it open.
+    /// The file is read and changed in place, while nobody else has it open.
     Change,
 }
 
@@ -208,14 +208,14 @@ impl LockedFile {
         match (locked, access) {
             (Err(TryLockError::WouldBlock), _) => Err(OpenError::Locked),
             (Err(TryLockError::Error(source)), Access::Change) => Err(OpenError::NoLocks(source)),
-            // Where the file system does not support locks, nobody can be changing the file in place.
+            // If the file system does not support locks, nobody can be changing the file in place.
             (Err(TryLockError::Error(_)), Access::Read) | (Ok(()), _) => Ok(Self(file)),
         }
     }
 }
 
 impl From<File> for LockedFile {
-    /// A file of this process alone, which needs no lock.
+    /// Wraps a file of this process alone, which needs no lock.
     fn from(file: File) -> Self {
         Self(file)
     }
@@ -230,7 +230,8 @@ impl Deref for LockedFile {
 }
 
 impl Drop for LockedFile {
-    /// Closing is not enough: a process that another thread is just starting has the file open for a moment, too.
+    /// Unlocks the file. Closing is not enough: a process that another thread is just starting has the file open for a
+    /// moment, too.
     fn drop(&mut self) {
         let _ = self.0.unlock();
     }
@@ -252,7 +253,7 @@ pub fn sync_folder(file: &Path) -> io::Result<()> {
     File::open(folder_of(file))?.sync_all()
 }
 
-/// Folders cannot be synced here; the file system keeps names in order by itself.
+/// Does nothing, because folders cannot be synced here; the file system keeps names in order by itself.
 #[cfg(not(unix))]
 pub fn sync_folder(_file: &Path) -> io::Result<()> {
     Ok(())

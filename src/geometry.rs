@@ -15,8 +15,8 @@
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-/// Below this length of the nose axis's projection on the ground (a unit vector's), the drone's nose points
-/// straight up or down and its heading does not exist.
+/// If the projection of the unit nose axis on the ground is shorter than this, the drone's nose points straight up or
+/// down and its heading does not exist.
 pub const MIN_GROUND_PROJECTION: f64 = 1e-9;
 
 /// Below this `cos(pitch)`, roll and yaw turn about the same axis and only their sum is known.
@@ -29,7 +29,7 @@ pub struct DepressionAngle {
     degrees: f64,
 }
 
-/// A depression angle that is not greater than −90° and at most 90°.
+/// A depression angle out of range: it must be greater than −90° and at most 90°.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "a depression angle of {0}° is out of range: it must be greater than -90 and at most 90 \
@@ -38,10 +38,10 @@ pub struct DepressionAngle {
 pub struct DepressionOutOfRange(pub f64);
 
 impl DepressionAngle {
-    /// From degrees below the horizon.
+    /// Creates the angle from degrees below the horizon.
     ///
     /// # Errors
-    /// Outside −90 < degrees ≤ 90, or not a number.
+    /// The angle is outside −90 < degrees ≤ 90, or not a number.
     pub fn from_degrees(degrees: f64) -> Result<Self, DepressionOutOfRange> {
         if degrees > -90.0 && degrees <= 90.0 {
             Ok(Self { degrees })
@@ -64,21 +64,21 @@ impl DepressionAngle {
 /// Fixed-axis roll, pitch and yaw in radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollPitchYaw {
-    /// About x, −π to π.
+    /// Angle about x, −π to π.
     pub roll: f64,
-    /// About y, −π/2 to π/2 where it was extracted from a rotation.
+    /// Angle about y, −π/2 to π/2 if it was extracted from a rotation.
     pub pitch: f64,
-    /// About z, −π to π.
+    /// Angle about z, −π to π.
     pub yaw: f64,
 }
 
 impl RollPitchYaw {
-    /// The triple of a rotation, `R = Rz(yaw) Ry(pitch) Rx(roll)`.
+    /// Extracts roll, pitch and yaw from a rotation, `R = Rz(yaw) Ry(pitch) Rx(roll)`.
     ///
-    /// The arc sines of the textbook (`pitch = asin(−R31)`, …) stop at ±90°; these `atan2` forms agree with
-    /// them there and hold up to ±180°. Yaw is what is left of the turn once pitch and this very roll are
-    /// undone, so that the triple rebuilds the rotation also where roll and yaw are nearly the same turn and
-    /// each is ill-defined by itself. At gimbal lock roll is set to 0 and yaw takes the whole turn.
+    /// The textbook arcsines (`pitch = asin(−R31)`, …) stop at ±90°; these `atan2` forms agree with them there and hold
+    /// up to ±180°. Yaw is what is left of the turn once pitch and this roll are undone, so the triple rebuilds the
+    /// rotation even if roll and yaw are nearly the same turn and each is ill-defined by itself. At gimbal lock roll is
+    /// set to 0 and yaw takes the whole turn.
     pub fn from_rotation(r: &Rotation3<f64>) -> Self {
         let cos_pitch = r[(2, 1)].hypot(r[(2, 2)]);
         let roll = if cos_pitch < GIMBAL_LOCK {
@@ -108,8 +108,8 @@ impl RollPitchYaw {
     }
 }
 
-/// Where the camera looks: `R_ned_camera` for the drone's attitude `q_ned_drone` (FRD to NED), or `None`
-/// where the drone's nose points straight up or down ([`MIN_GROUND_PROJECTION`]) and has no heading.
+/// Where the camera looks: `R_ned_camera` for the drone's attitude `q_ned_drone` (FRD to NED), or `None` if the drone's
+/// nose points straight up or down ([`MIN_GROUND_PROJECTION`]) and has no heading.
 ///
 /// The gimbal cancels the drone's roll and pitch, so the camera yaws with the drone's nose and looks down by
 /// the depression angle: `R_ned_camera = Rz(ψ) Ry(−θ)`, where ψ is the heading of the nose axis. In terms
@@ -146,7 +146,8 @@ pub fn camera_orientation(
     )))
 }
 
-/// The drone's heading alone, `Rz(ψ)`: turns coordinates of a level drone with the same heading into NED. `None` where the nose points straight up or down ([`MIN_GROUND_PROJECTION`]).
+/// The drone's heading alone, `Rz(ψ)`: turns coordinates of a level drone with the same heading into NED. `None` if the
+/// nose points straight up or down ([`MIN_GROUND_PROJECTION`]).
 pub fn heading_rotation(q_ned_drone: &UnitQuaternion<f64>) -> Option<Rotation3<f64>> {
     let (sin_heading, cos_heading) = heading_sin_cos(q_ned_drone)?;
     Some(Rotation3::from_matrix_unchecked(Matrix3::new(
@@ -188,8 +189,8 @@ pub fn velocity_in_camera(
 /// Spherical linear interpolation along the shorter arc, `q0 (q0⁻¹ q1)^u`, for 0 ≤ u ≤ 1 (Shoemake,
 /// "Animating rotation with quaternion curves", 1985).
 ///
-/// Unlike `nalgebra`'s slerp it renormalises and resolves angles of any smallness: the power is taken with
-/// `atan2` of the half angle's sine and cosine, not with an arc cosine, which is blind below 1e-8.
+/// Unlike `nalgebra`'s slerp it renormalises and stays accurate for tiny angles: the power is taken with `atan2` of the
+/// half angle's sine and cosine, not with an arccosine, which loses all precision below 1e-8.
 pub fn slerp(q0: &UnitQuaternion<f64>, q1: &UnitQuaternion<f64>, u: f64) -> UnitQuaternion<f64> {
     let step = (q0.inverse() * q1).into_inner();
     // q and −q are the same rotation; the one with a positive scalar part is the shorter arc.

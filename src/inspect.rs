@@ -1,4 +1,4 @@
-//! What a log has, before anything is written: which telemetry would be used, and what `enrich` would produce.
+//! What a log contains, before anything is written: which telemetry would be used, and what `enrich` would produce.
 //!
 //! Counts, times and gaps come from the log's summary and the telemetry's message indexes. Messages are read for
 //! two things: which fields those of a JSON topic have, and what share of the telemetry is usable; for the latter
@@ -30,10 +30,10 @@ use crate::{
 };
 pub use first_sample::FirstSample;
 
-/// About how many bytes are read at most, to learn what share of the telemetry is usable.
+/// The most bytes, approximately, that are read to learn what share of the telemetry is usable.
 const MOST_READ: u64 = 64 * 1024 * 1024;
 
-/// What a log has. As JSON it is what scripts read, so its names are part of the interface.
+/// What a log contains. Scripts read it as JSON, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Inspection {
@@ -46,7 +46,7 @@ pub struct Inspection {
     pub messages: u64,
     /// How many topics have messages.
     pub topics: usize,
-    /// Log times of its first and last message, nanoseconds; absent where it has none.
+    /// Log times of its first and last message, nanoseconds; absent if it has none.
     pub times: Option<[u64; 2]>,
     /// Whether all of it had to be read, because it has no summary that accounts for everything.
     pub scanned: bool,
@@ -56,7 +56,7 @@ pub struct Inspection {
     pub problem: Option<Problem>,
     /// The topics that are not telemetry, by kind.
     pub other_topics: Vec<TopicGroup>,
-    /// What the user should know besides.
+    /// Other things the user should know.
     pub notes: Vec<Note>,
 }
 
@@ -89,17 +89,17 @@ impl Serialize for Problem {
     }
 }
 
-/// What would be used.
+/// The telemetry that would be used.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Telemetry {
     /// How the log names it.
     pub profile: ProfileReport,
-    /// The prefix of the vehicle's topics; empty where they have none.
+    /// The prefix of the vehicle's topics; empty if they have none.
     pub namespace: String,
-    /// The other profiles that were tried, those that fit first.
+    /// The other profiles that were tried, the better ones first.
     pub runners_up: Vec<RunnerUp>,
-    /// How the camera is mounted; absent where that is not known.
+    /// How the camera is mounted; absent if that is not known.
     pub camera: Option<CameraReport>,
     /// Where each kind of sample comes from, or why there is none.
     pub roles: BTreeMap<Kind, RoleReport>,
@@ -154,7 +154,7 @@ pub struct FoundRole {
 }
 
 impl FoundRole {
-    /// Of a log whose telemetry was logged at these times, by channel, each channel's in order.
+    /// Describes the role in a log whose telemetry was logged at these times, by channel, each channel's in order.
     fn new(
         log: &Log,
         role: &Origin,
@@ -338,7 +338,7 @@ impl Telemetry {
         Ok(at_most)
     }
 
-    /// How many samples of a kind can be usable, if as many as are needed.
+    /// How many samples of a kind can be usable, if that is enough.
     fn usable(&self, kind: Kind, needed: u64) -> Result<u64, MissingReason> {
         match &self.roles[&kind] {
             RoleReport::Found(found) if found.usable_at_most() >= needed => {
@@ -413,7 +413,7 @@ struct Sampled {
 }
 
 impl Sampled {
-    /// Reads segments with telemetry: all, or where they are too long, some that are spread evenly among them.
+    /// Reads segments with telemetry: all or, if they are too long, some that are spread evenly among them.
     fn read(log: &Log, source: &mut Source) -> Result<Self, Error> {
         let wanted = source.channel_ids();
         let segments: Vec<&Segment> = (log.contents.segments.iter())

@@ -10,8 +10,9 @@
 //! ```
 //!
 //! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive()`] gives the values
-//! without writing them. [`inspect`] says what a log file has, and [`restore`] undoes what `enrich` did to one. [`Options`] say
-//! how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its telemetry.
+//! without writing them. [`inspect`] says what a log file contains, and [`restore`] undoes what `enrich` did to one.
+//! [`Options`] say how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its
+//! telemetry.
 //!
 //! What is listed here is the interface. The modules that are not shown are internal: they are public only for
 //! flightcam's own tests and benchmarks, and change without notice.
@@ -45,13 +46,13 @@
 //! | `reader` | log + source → samples in time order | log, source, sample |
 //! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | derived |
 //! | `writer` | derived values → channels added to a log; the original that an enriched log carries | fs, log, derived, messages |
-//! | `watch` | how far a run is, and whether the caller wants it to go on | log |
+//! | `watch` | progress and cancellation | log |
 //! | `options` | what the caller decides about a run | camera, source, transform, messages, writer, watch |
 //! | `report` | what a run found and did, as data | what it reports on |
-//! | `run` | what every run has: an input, an output, a watcher, an outcome | fs, log, watch, writer, report |
-//! | `enrich` | the story: input → job (a thread that sends batches) → sink → report | all of the above |
+//! | `run` | what all runs share: an input, an output, a watcher, an outcome | fs, log, watch, writer, report |
+//! | `enrich` | the main run: input → job (a thread that sends batches) → sink → report | all of the above |
 //! | `restore` | an enriched log → the original | log, writer, run |
-//! | `inspect` | what a log has and what `enrich` would produce | all but transform, reader and enrich |
+//! | `inspect` | what a log contains and what `enrich` would produce | all but transform, reader and enrich |
 //! | `error` | the errors of all layers, joined; what runs end with | their errors |
 //! | `cli` | in the binary: arguments → options → run → words | the interface |
 //!

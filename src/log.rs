@@ -1,7 +1,7 @@
 //! A log in the MCAP container: what it contains and where, and its messages.
 //!
-//! A [`Log`] is opened from its summary where that accounts for everything, else by reading it from start to
-//! end. One that comes through a pipe is read [while it is passed on](stream). Either way its messages are in
+//! A [`Log`] is opened from its summary if that accounts for everything, otherwise by reading it from start to end. One
+//! that comes through a pipe is read [while it is passed on](stream). Either way its messages are in
 //! [segments](contents::Segment): chunks, or runs of messages outside chunks.
 
 pub mod contents;
@@ -36,7 +36,7 @@ pub use crate::fs::Access;
 pub use error::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind};
 pub use segment::SegmentReader;
 
-/// [`Log::first_payloads`] leaves out longer payloads.
+/// [`Log::first_payloads`] leaves out payloads that are longer than this.
 pub const LONGEST_EXAMPLE: usize = 64 * 1024;
 
 /// An open log.
@@ -46,14 +46,14 @@ pub struct Log {
     pub file: LogFile,
     /// The log's first record: the profile that it follows, the library that wrote it.
     pub header: Header,
-    /// Where the data section ends: at its DataEnd record, at the footer where there is none, or after the last
-    /// whole record of a log that breaks off.
+    /// Where the data section ends: at its DataEnd record, at the footer if there is none, or after the last whole
+    /// record of a log that breaks off.
     pub data_end: u64,
-    /// The checksum of the data section, where the log has one.
+    /// The checksum of the data section, if the log has one.
     pub data_crc: Option<u32>,
     /// What it contains.
     pub contents: Contents,
-    /// Why all of the log had to be read to find out what it contains, where it had to.
+    /// Why all of the log had to be read to find out what it contains, if it had to be.
     pub scanned: Option<ScanReason>,
     /// Where a log that was not closed breaks off. The bytes from here on, if any, could not be read.
     pub breaks_off_at: Option<u64>,
@@ -106,7 +106,7 @@ impl Log {
         Self::scan(file, header, ending)
     }
 
-    /// Reads the log from start to end; where that is follows from its `ending`, if it has one.
+    /// Reads the log from start to end. Its `ending`, if it has one, says where that is.
     fn scan(file: LogFile, header: Header, ending: Option<Ending>) -> Result<Self, ReadError> {
         let end = (ending.as_ref()).map_or(file.length(), |ending| ending.data_end);
         let mut walker = Walker::new(&file, mcap::MAGIC.len() as u64, end);
@@ -128,12 +128,12 @@ impl Log {
             }
         };
         let log = Self::read_to_end(file, header, ending, stop, collector)?;
-        // Even a summary that agrees with what was found was not enough to find it.
+        // Its summary, even if it agrees with what was found, was not enough to find it.
         let scanned = log.scanned.or(Some(ScanReason::IncompleteSummary));
         Ok(Self { scanned, ..log })
     }
 
-    /// A log whose records were all read, up to where that stopped, and what was found in them.
+    /// Makes a log from all of its records, up to where reading stopped, and from what was found in them.
     fn read_to_end(
         file: LogFile,
         header: Header,
@@ -190,7 +190,7 @@ impl Log {
             .is_none_or(|offset| offset == self.file.length())
     }
 
-    /// The Metadata records with one name.
+    /// The Metadata records with this name.
     pub fn metadata(&self, name: &str) -> Result<Vec<Metadata>, ReadError> {
         let named = (self.contents.metadata.iter()).filter(|index| index.record.name == name);
         named.map(|index| self.metadata_at(&index.record)).collect()
@@ -208,8 +208,8 @@ impl Log {
             })
     }
 
-    /// The payloads of the first messages of channels, in the order of the file: at most that many of each, none
-    /// longer than 64 KiB, from the first segment that has any.
+    /// The payloads of the first messages of channels, in the order of the file: at most `most` of each, none longer
+    /// than 64 KiB, from the first segment that has any.
     ///
     /// # Errors
     /// A segment cannot be read or is damaged.
@@ -247,18 +247,18 @@ impl Log {
 
 /// Where reading a log record by record stopped.
 enum Stop {
-    /// At the DataEnd record, which may have the data section's checksum.
+    /// Reading stopped at the DataEnd record, which may have the data section's checksum.
     DataEnd { offset: u64, crc: Option<u32> },
-    /// At the footer of a log without a DataEnd record.
+    /// Reading stopped at the footer of a log without a DataEnd record.
     Footer { offset: u64 },
-    /// Where the data section should end, after a whole record.
+    /// Reading stopped where the data section should end, after a whole record.
     End { offset: u64 },
-    /// Before the data section's end, where there is no whole record.
+    /// Reading stopped before the data section's end, because there is no whole record.
     Torn { offset: u64 },
 }
 
 impl Stop {
-    /// At the DataEnd record with this body.
+    /// Reading stopped at the DataEnd record with this body.
     fn data_end(offset: u64, body: &[u8]) -> Self {
         let crc = parse(body).map_or(0, |end: DataEnd| end.data_section_crc);
         Self::DataEnd {

@@ -42,7 +42,7 @@ pub enum Encoding {
     Ros2,
 }
 
-/// Which encoding is wanted.
+/// The wanted encoding.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EncodingChoice {
@@ -66,7 +66,7 @@ pub struct MessageDefinition {
     pub field_to_plot: &'static str,
 }
 
-/// What every message has, whatever its type.
+/// What every message contains, whatever its type.
 #[derive(Debug, Clone, Copy)]
 struct Header {
     /// Nanoseconds of log time.
@@ -85,10 +85,10 @@ pub struct Format {
 }
 
 impl Encoding {
-    /// All of them.
+    /// All encodings.
     pub const ALL: [Encoding; 3] = [Encoding::Protobuf, Encoding::Json, Encoding::Ros2];
 
-    /// As options and reports name it.
+    /// The name in options and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Protobuf => "protobuf",
@@ -106,7 +106,7 @@ impl Encoding {
         }
     }
 
-    /// As a channel record names it.
+    /// The name in channel records.
     pub fn message_encoding(self) -> &'static str {
         match self {
             Self::Protobuf => "protobuf",

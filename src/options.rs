@@ -18,7 +18,7 @@ use crate::{
 
 /// How to enrich a log.
 ///
-/// By default the camera follows the gimbal whose angles the log has, and everything else is found out.
+/// By default the camera follows the gimbal whose angles are in the log, and everything else is found automatically.
 ///
 /// ```
 /// use flightcam::{DepressionAngle, Layout, Options};

@@ -32,10 +32,10 @@ struct Part<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// For the samples that `source` finds in `log`.
+    /// Reads the samples that `source` finds in `log`.
     pub fn new(log: &'a Log, source: Source) -> Self {
         let wanted = source.channel_ids();
-        // Without log times nothing is known about the times in a segment before it is read.
+        // Unless samples are in log time, nothing is known about their times before a segment is read.
         let is_in_log_time = source.is_in_log_time();
         let start_of = |(start, _): (u64, u64)| if is_in_log_time { start } else { 0 };
         let mut parts: Vec<Part> = (log.contents.segments.iter())
@@ -55,8 +55,8 @@ impl<'a> Reader<'a> {
         segments.map(|segment| segment.length).sum()
     }
 
-    /// Reads all samples. `take` gets them one after the other, each with how many of the
-    /// [bytes](Self::bytes_total) were read by then. Returns the source, and what was dropped.
+    /// Reads all samples. `take` gets them one after the other, each with how many of the [bytes](Self::bytes_total)
+    /// had been read by then. Returns the source, and what was dropped.
     ///
     /// # Errors
     /// The log cannot be read or is damaged, or `take` fails, after which it is not called again.

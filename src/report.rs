@@ -26,7 +26,7 @@ pub(crate) use findings::Findings;
 pub use missing::{MissingReason, MissingTopic};
 pub use note::Note;
 
-/// What a run did. As JSON it is what scripts read, so its names are part of the interface.
+/// What a run did. Scripts read it as JSON, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Report {
@@ -61,7 +61,7 @@ pub struct Report {
     pub bytes_added: u64,
     /// Whether everything in the input could be read.
     pub complete: bool,
-    /// What the user should know besides.
+    /// Other things the user should know.
     pub notes: Vec<Note>,
 }
 
@@ -69,11 +69,11 @@ pub struct Report {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct ProfileReport {
-    /// As the profile calls itself.
+    /// The profile's own name.
     pub name: String,
     /// Who chose it.
     pub chosen: Chosen,
-    /// Where it finds the attitude, which is what profiles are chosen by.
+    /// Where it finds the attitude, by which profiles are chosen.
     pub attitude: Origin,
 }
 
@@ -81,7 +81,7 @@ pub struct ProfileReport {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Chosen {
-    /// The program, by what the log has.
+    /// The program, according to what the log contains.
     Automatically,
     /// The user.
     ByRequest,
@@ -105,19 +105,19 @@ impl ProfileReport {
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum CameraReport {
-    /// On a gimbal that cancels the drone's roll and pitch.
+    /// The camera is on a gimbal that cancels the drone's roll and pitch.
     Stabilised {
         /// How far below the horizon it looks.
         depression_deg: f64,
         /// How far to the right of the drone's nose.
         yaw_offset_deg: f64,
     },
-    /// Bolted to the airframe.
+    /// The camera is bolted to the airframe.
     Fixed {
         /// Roll, pitch and yaw from the drone's axes.
         mount_deg: [f64; 3],
     },
-    /// On a gimbal whose angles the log has.
+    /// The camera is on a gimbal whose angles are in the log.
     Gimbal,
 }
 
@@ -129,7 +129,7 @@ impl From<Camera> for CameraReport {
                 yaw_offset,
             } => Self::Stabilised {
                 depression_deg: depression.degrees(),
-                // Given in degrees: what the conversion there and back changed is rounded off.
+                // Round off the error of the conversion to radians and back.
                 yaw_offset_deg: (yaw_offset.to_degrees() * 1e9).round() / 1e9,
             },
             Camera::Fixed(mount) => Self::Fixed {
@@ -172,7 +172,7 @@ impl EncodingReport {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct SampleReport {
-    /// Where the samples come from; absent where the log has none.
+    /// Where the samples come from; absent if the log has none.
     pub topic: Option<String>,
     /// How many were used, and how many were not, for which reason.
     #[serde(flatten)]
@@ -203,12 +203,12 @@ pub struct WrittenTopic {
     pub field_to_plot: &'static str,
 }
 
-/// A path for JSON, which cannot hold every file name that a system allows.
+/// Serialises a path for JSON, which cannot represent every file name that a system allows.
 pub(crate) fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path.to_string_lossy())
 }
 
-/// The kinds that derived channels are made of, each under its name; null for one that was not read.
+/// Serialises the kinds from which channels are derived, each under its name; null for one that was not read.
 fn by_kind<S: Serializer>(
     samples: &BTreeMap<Kind, SampleReport>,
     serializer: S,

@@ -19,7 +19,7 @@ use crate::{
     },
 };
 
-/// What was restored. As JSON it is what scripts read, so its names are part of the interface.
+/// What was restored. Scripts read it as JSON, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct Restored {
@@ -49,7 +49,7 @@ pub fn restore<'a>(
 ) -> Result<Restored, Error> {
     let (log, output) = (log.into(), output.into());
     let run = Run::new(watch, output.name(log.name()), output.left());
-    run.attend(|| match output {
+    run.run_watched(|| match output {
         Output::InPlace => in_place(log, &run),
         Output::File { path, overwrite } => to_new_file(log, &path, overwrite, &run),
         Output::Handle { name, mut handle } => to_stream(log, &name, &mut handle, &run),

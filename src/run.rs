@@ -27,10 +27,10 @@ use crate::{
     writer::{WriteError, journal::JournalStep},
 };
 
-/// How often the watcher is asked while the run's threads may be waiting for something.
-const GLANCE: Duration = Duration::from_millis(50);
+/// How often the watcher is called while the run's threads may be waiting for something.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// What the threads of a run share: how far it is, and whether it continues.
+/// What the threads of a run share: its progress, and whether it continues.
 ///
 /// A run ends early in one way only: it is cancelled, by its watcher or because something went wrong on one of its
 /// threads. Each thread checks now and then whether it is, and then ends its work with [`Cancelled`]. The reason is
@@ -40,7 +40,7 @@ pub(crate) struct Run<'a> {
     /// The output's name, and what an interrupted run leaves there.
     output: PathBuf,
     left: Left,
-    /// Bytes to read of the telemetry and to copy of the log, so far as they are known; and those done.
+    /// Bytes of telemetry to read and of log to copy, as far as they are known; and those done.
     total: AtomicU64,
     read: AtomicU64,
     copied: AtomicU64,
@@ -99,14 +99,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Does the work of a run, with a thread beside it that regularly asks the watcher.
+    /// Does the work of a run, with a thread beside it that regularly calls the watcher.
     ///
-    /// The working threads ask it as well, each time they have done something. But all of them may be waiting, for a
-    /// disk or for the other end of a pipe, and even then a progress bar is to move and the user is to be heard.
+    /// The working threads call it as well, each time they have done something. But all of them may be waiting, for a
+    /// disk or for the other end of a pipe, and even then the progress bar must move and Ctrl-C must work.
     ///
     /// # Errors
     /// The error of the work, or the one for which the run was cancelled.
-    pub fn attend<T>(&self, work: impl FnOnce() -> Result<T, Stopped>) -> Result<T, Error> {
+    pub fn run_watched<T>(&self, work: impl FnOnce() -> Result<T, Stopped>) -> Result<T, Error> {
         let work = || work().map_err(|stopped| self.explain(stopped));
         if !self.watch.is_on() {
             return work();
@@ -115,7 +115,7 @@ impl<'a> Run<'a> {
             // Closed when the work ends, even by a panic, which ends the thread at once.
             let (_working, is_over) = mpsc::channel::<()>();
             scope.spawn(move || {
-                while is_over.recv_timeout(GLANCE) == Err(RecvTimeoutError::Timeout) {
+                while is_over.recv_timeout(POLL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
                     self.ask();
                 }
             });
@@ -128,7 +128,7 @@ impl<'a> Run<'a> {
         self.watch
     }
 
-    /// Adds bytes that are to be done.
+    /// Adds to the number of bytes to be done.
     pub fn expect(&self, bytes: u64) {
         self.total.fetch_add(bytes, Relaxed);
     }
@@ -184,8 +184,8 @@ impl<'a> Run<'a> {
     }
 
     /// Returns a guard that cancels the run when it is dropped. If all work is done by then, that changes nothing. If
-    /// it is dropped because of an error or a panic, the other threads do not continue with work that is of no use any
-    /// more.
+    /// it is dropped because of an error or a panic, the other threads do not continue with work that is no longer of
+    /// any use.
     pub fn cancel_at_end(&self) -> impl Drop {
         struct AtEnd<'a>(&'a AtomicBool);
         impl Drop for AtEnd<'_> {

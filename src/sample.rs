@@ -26,7 +26,7 @@ pub struct AttitudeSample {
     pub stamp: Stamp,
     /// `q_ned_drone`: turns FRD coordinates into NED.
     pub orientation: UnitQuaternion<f64>,
-    /// Counts the estimator's jumps (PX4 `quat_reset_counter`), where the log has such a count.
+    /// Counts the estimator's jumps (PX4 `quat_reset_counter`), if the log has such a count.
     pub reset_counter: Option<u64>,
 }
 
@@ -35,7 +35,7 @@ pub struct AttitudeSample {
 pub struct VelocitySample {
     /// Its times.
     pub stamp: Stamp,
-    /// Over ground, m/s.
+    /// The velocity over ground, m/s.
     pub velocity: Velocity,
 }
 
@@ -83,7 +83,7 @@ pub struct PositionSample {
 /// A place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Position {
-    /// On the globe.
+    /// A position on the globe.
     Geodetic {
         /// Degrees north.
         latitude: f64,
@@ -92,7 +92,7 @@ pub enum Position {
         /// Metres above whatever the log takes for zero.
         altitude: f64,
     },
-    /// Metres to north, east and down of an origin of the log's own.
+    /// Metres north, east and down of an origin of the log's own.
     Local(Vector3<f64>),
 }
 
@@ -147,14 +147,14 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them, in their order.
+    /// All kinds, in their order.
     pub const ALL: [Kind; 4] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity, Kind::Position];
 
-    /// All of them, in the order in which they are listed.
+    /// All kinds, in the order in which they are listed.
     pub const LISTED: [Kind; Self::ALL.len()] =
         [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position];
 
-    /// As profiles, scripts and options name it.
+    /// The name in profiles, scripts and options.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Gimbal => "gimbal",
@@ -211,7 +211,7 @@ pub enum DropReason {
 }
 
 impl DropReason {
-    /// As scripts name it.
+    /// The name that scripts see.
     pub fn name(self) -> &'static str {
         match self {
             DropReason::Undecodable => "undecodable",
@@ -233,7 +233,7 @@ impl DropReason {
         }
     }
 
-    /// Whether the message could not be read, as opposed to having nothing of use.
+    /// Whether the message could not be read, as opposed to holding nothing usable.
     pub fn is_unreadable(self) -> bool {
         matches!(self, Self::Undecodable | Self::Xcdr2 | Self::ParameterList)
     }

@@ -28,8 +28,8 @@ use error::Misfit;
 use profile::Profile;
 use select::Fit;
 
-/// The telemetry of one log: which channels have it, and how to read their messages. Clones may read some of the
-/// messages each, and be [merged](Source::merge) again.
+/// The telemetry of one log: which channels have it, and how to read their messages. Clones may each read some of the
+/// messages, and be [merged](Source::merge) again.
 #[derive(Debug, Clone)]
 pub struct Source {
     /// The profile that fits.
@@ -52,24 +52,24 @@ pub struct Origin {
 /// A profile that was tried and not chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunnerUp {
-    /// As the profile calls itself.
+    /// The profile's own name.
     pub profile: String,
     /// Where it finds the attitude, if it fits, though not as well; or why it does not fit.
     pub attitude: Result<Origin, Misfit>,
 }
 
 impl Source {
-    /// The prefix of the vehicle's topics; empty for a vehicle without.
+    /// The prefix of the vehicle's topics; empty if they have none.
     pub fn namespace(&self) -> &str {
         &self.fit.namespace
     }
 
-    /// Where the attitude comes from, which no source is without.
+    /// Where the attitude comes from, which every source has.
     pub fn attitude(&self) -> &Origin {
         &self.fit.attitude
     }
 
-    /// The channel with the attitude; of several on its topic, the first.
+    /// The channel with the attitude; if its topic has several, the first.
     pub fn attitude_channel<'a>(&self, log: &'a Log) -> &'a Channel {
         let channels = log.contents.definitions.channels.values();
         let mut of_source =
@@ -85,7 +85,7 @@ impl Source {
         self.fit.roles()
     }
 
-    /// Where samples of a kind come from, if from anywhere.
+    /// Where samples of a kind come from, if the log has any.
     pub fn role(&self, kind: Kind) -> Option<&Origin> {
         self.fit.role(kind).ok()
     }
@@ -116,7 +116,7 @@ impl Source {
         }
     }
 
-    /// Takes over what a clone learnt from the messages that it read.
+    /// Merges what a clone has learnt from the messages that it read.
     pub fn merge(&mut self, clone: &Self) {
         for (id, channel) in &mut self.channels {
             if let Some(clone) = clone.channels.get(id) {
@@ -125,8 +125,7 @@ impl Source {
         }
     }
 
-    /// An angle of the attitude that was read as radians and is larger than those can be, after all messages were
-    /// read.
+    /// An angle of the attitude that was read as radians and is too large to be, once all messages have been read.
     pub fn suspicious_angle(&self) -> Option<f64> {
         let angles = self.channels.values().map(ChannelReader::largest_angles);
         let largest = angles.fold(LargestAngles::default(), LargestAngles::max);

@@ -37,7 +37,7 @@ pub struct MaxGap {
     nanoseconds: u64,
 }
 
-/// A maximum gap that is not a positive time.
+/// A maximum gap that is out of range, or not a number.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "a maximum gap of {0} s is out of range: it must be greater than 0 and at most 1000000000 s"
@@ -45,7 +45,7 @@ pub struct MaxGap {
 pub struct MaxGapOutOfRange(pub f64);
 
 impl MaxGap {
-    /// From seconds, rounded to the nanosecond.
+    /// Creates a maximum gap from seconds, rounded to the nanosecond.
     ///
     /// # Errors
     /// Less than a nanosecond, more than 1e9 seconds, or not a number.
@@ -79,7 +79,7 @@ impl Default for MaxGap {
     }
 }
 
-/// What the transform made of the samples that it was given.
+/// What became of the samples that the transform was given.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Outcome {
     /// The samples that were used, and those that were not.
@@ -92,16 +92,16 @@ pub struct Outcome {
 /// rotation or is counted here.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Breaks {
-    /// The previous sample for which the camera is known is longer ago than the maximum gap.
+    /// How often the time since the last sample with a known camera exceeded the maximum gap.
     pub gaps: u64,
-    /// The log's count of attitude resets changed: the estimator jumped, the camera did not.
+    /// How often the log's count of attitude resets changed: the estimator jumped, the camera did not.
     pub resets: u64,
 }
 
 /// A sample that something is derived from, and that is not settled yet.
 #[derive(Debug, Clone, Copy)]
 enum Held {
-    /// The track of attitudes has the rest of it.
+    /// An attitude's times; the rest of it is in the track of attitudes.
     Attitude(Stamp),
     Velocity(VelocitySample),
 }
@@ -142,13 +142,13 @@ pub struct Transform {
     held: VecDeque<Held>,
     /// The last attitude sample for which the camera is known.
     previous: Option<Pose>,
-    /// How many samples of the second kind were dropped because the last one of the first is out of reach.
+    /// How many samples of the second kind were dropped because the last one of the first kind is out of reach.
     out_of_reach: BTreeMap<(Kind, Kind), u64>,
     outcome: Outcome,
 }
 
 impl Transform {
-    /// Before the first sample.
+    /// Creates a transform that has seen no sample yet.
     pub fn new(camera: Camera, max_gap: MaxGap) -> Self {
         Self {
             camera,
@@ -181,9 +181,9 @@ impl Transform {
         }
     }
 
-    /// Ends the run: what still waits, waits in vain.
+    /// Ends the run. Samples that are still waiting are dropped.
     pub fn finish(mut self) -> Outcome {
-        // Nothing is derived here: all that is held waits itself or is later than one that does.
+        // Nothing is derived here: every held sample either waits or is later than one that does.
         self.settle(None, &mut Vec::new());
         self.settle_out_of_reach(Kind::Attitude, Attitude::OUTSIDE);
         self.settle_out_of_reach(Kind::Gimbal, Gimbal::OUTSIDE);
@@ -289,7 +289,7 @@ impl Transform {
         })
     }
 
-    /// Gives the reason for samples that were dropped because the last one of this kind is out of reach.
+    /// Sets the reason for samples that were dropped because the last one of this kind is out of reach.
     fn settle_out_of_reach(&mut self, of: Kind, reason: DropReason) {
         for kind in Kind::ALL {
             let count = self.out_of_reach.remove(&(of, kind)).unwrap_or_default();

@@ -1,20 +1,20 @@
-//! Watching how far a run is, and ending it early.
+//! Progress and cancellation.
 
 use std::{fmt, ops::ControlFlow, sync::Arc};
 
 use crate::writer::journal::{Interrupted, JournalStep};
 
-/// How far a run is, in bytes: of the telemetry read, and of the log copied.
+/// The progress of a run, in bytes: of the telemetry read, and of the log copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Done so far.
+    /// Bytes done so far.
     pub done: u64,
-    /// To do in all, so far as that is known.
+    /// Bytes to do in all, as far as that is known.
     pub total: u64,
 }
 
-/// What is called with the progress of a run; by default nothing.
+/// The callbacks that get the progress of a run; by default none.
 #[derive(Clone, Default)]
 pub struct Watch {
     progress: Option<Arc<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>>,

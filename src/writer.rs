@@ -2,7 +2,7 @@
 //!
 //! By default they are [appended](Appender): the log's bytes up to the end of its data section stay as they are. They
 //! are followed by the new messages, a Metadata record that says how they were made, the log's original end as an
-//! attachment, and one summary of everything. Nothing is lost of the log, and all of it can be undone ([`original`]).
+//! attachment, and one summary of everything. Nothing of the log is lost, and all of it can be undone ([`original`]).
 //! Or they are [interleaved](Interleaver): among the log's chunks, for readers that use no index.
 
 pub mod destination;
@@ -33,11 +33,11 @@ use crate::derived::{Derived, Quantity};
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Layout {
-    /// After the log's data, no byte of which changes, so that it can be undone.
+    /// The new messages are after the log's data, no byte of which changes, so that it can be undone.
     #[default]
     Append,
-    /// After each of the log's chunks what was derived from its time, for readers that use no index. It cannot be
-    /// undone.
+    /// Each of the log's chunks is followed by what was derived from its time, for readers that use no index. It cannot
+    /// be undone.
     Interleaved,
 }
 
@@ -77,6 +77,6 @@ pub struct Written {
     pub kept: u64,
     /// Bytes of the result.
     pub length: u64,
-    /// Whether the log's data does not have the checksum that the log says. Then the result has none.
+    /// Whether the log's data does not match the checksum in the log. Then the result has none.
     pub checksum_was_wrong: bool,
 }

@@ -1,4 +1,4 @@
-//! `flightcam completions`: a script with which a shell completes flightcam's commands and options.
+//! `flightcam completions`: a script that lets a shell complete flightcam's commands and options.
 
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};

@@ -76,7 +76,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
 
-    // Last, because their headings hold for all that follows.
+    // Last, because their headings apply to everything after them.
     #[command(flatten)]
     camera: CameraArguments,
 
@@ -201,7 +201,7 @@ impl Arguments {
     }
 }
 
-/// `NAME.enriched.mcap` beside a log.
+/// The default output: `NAME.enriched.mcap` beside the log.
 fn beside(log: &Path) -> PathBuf {
     let mut name = log.file_stem().unwrap_or_default().to_owned();
     name.push(".enriched.mcap");

@@ -1,4 +1,4 @@
-//! The way out of an error, in terms of the command line.
+//! Hints: what to do about an error, in terms of the command line.
 
 mod telemetry;
 
@@ -135,7 +135,7 @@ fn of_the_run(error: &RunError) -> Option<&'static str> {
     })
 }
 
-/// Whether what was asked for is wrong, whatever the log holds.
+/// Whether the request itself is wrong, whatever the log contains.
 pub fn is_usage(error: &Error) -> bool {
     match error {
         Error::Camera(_)

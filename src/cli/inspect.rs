@@ -1,4 +1,4 @@
-//! `flightcam inspect`: what a log has, and what `enrich` would produce.
+//! `flightcam inspect`: what a log contains, and what `enrich` would produce.
 
 use std::{fmt::Write as _, path::PathBuf};
 
@@ -22,7 +22,7 @@ use super::{
     words::{self, plural},
 };
 
-/// How many topics of a group are named.
+/// How many topics of a group are listed by name.
 const NAMED: usize = 4;
 
 /// Say which telemetry a log has, and what enrich would produce
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
 
-    // Last, because their headings hold for all that follows.
+    // Last, because their headings apply to everything after them.
     #[command(flatten)]
     camera: CameraArguments,
 
@@ -93,7 +93,7 @@ fn describe(inspection: &Inspection) -> String {
         }
     }
     let _ = match (&inspection.problem, &inspection.telemetry) {
-        // Where there is no telemetry, the problem lists what else there is.
+        // If there is no telemetry, the problem lists the other topics.
         (Some(problem), _) => write!(text, "\nenrich would fail: {}", explain(problem.error())),
         (None, Some(telemetry)) => write!(text, "\n{}", describe_plan(telemetry)),
         (None, None) => Ok(()),
@@ -162,7 +162,7 @@ fn describe_role(line: &mut impl FnMut(&str, &str), label: &str, found: &FoundRo
     }
 }
 
-/// The numbers of each role, a row each.
+/// Makes a table with one row of numbers per role.
 fn table(telemetry: &Telemetry) -> String {
     let found = telemetry.roles.values().filter_map(|role| match role {
         RoleReport::Found(found) => Some(found.times[0]),
@@ -217,7 +217,7 @@ fn row(label: &str, found: &FoundRole, start: u64) -> [String; 7] {
     ]
 }
 
-/// A share in per cent, which is 0 % and 100 % only for none and all.
+/// Formats a share in per cent; only none is 0 %, and only all is 100 %.
 fn percentage(share: f64) -> String {
     match share {
         0.0 | 1.0 => format!("{} %", share * 100.0),

@@ -64,7 +64,7 @@ fn page(command: Command) -> io::Result<Page> {
     let after = command.get_after_long_help().or(command.get_after_help());
     let after = after.map(StyledStr::to_string).unwrap_or_default();
     let man = Man::new(command.after_help(None).after_long_help(None))
-        // An empty date would be left out, and the rest of the title take its place.
+        // An empty date would be left out, and the rest of the title would take its place.
         .date(" ")
         .source(concat!("flightcam ", env!("CARGO_PKG_VERSION")))
         .manual("User Commands");
@@ -77,7 +77,7 @@ fn page(command: Command) -> io::Result<Page> {
     })
 }
 
-/// What `--help` says after the options, line by line as it is there. Lines like `Examples:` become headings.
+/// Converts what `--help` says after the options, keeping its lines. Lines like `Examples:` become headings.
 fn sections(text: &str) -> Roff {
     let mut roff = Roff::new();
     for line in text.lines() {

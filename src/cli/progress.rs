@@ -1,4 +1,4 @@
-//! What a run shows while it lasts, and how the user ends it.
+//! The progress bar, and the signals with which the user interrupts a run.
 
 use std::{
     io::{self, IsTerminal},
@@ -14,11 +14,11 @@ use flightcam::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::{consts::TERM_SIGNALS, flag};
 
-/// A run that takes no longer shows no progress bar.
+/// Runs that take no longer than this show no progress bar.
 const MOMENT: Duration = Duration::from_millis(400);
 
-/// A progress bar that appears on a terminal when the work takes longer than a moment. It notices when the user
-/// ends the program.
+/// A progress bar that appears on a terminal if the work takes longer than a moment. It also notices when the user
+/// interrupts the program.
 #[derive(Clone)]
 pub struct Bar(Arc<State>);
 
@@ -39,7 +39,7 @@ impl Bar {
         }))
     }
 
-    /// Shows how far a run is; whether the user wants it to go on.
+    /// Returns a callback that shows the progress of a run and stops the run once the user has interrupted it.
     pub fn watch(&self) -> impl Fn(Progress) -> ControlFlow<()> + Send + Sync + use<> {
         let Self(state) = self.clone();
         move |progress| {
@@ -73,11 +73,11 @@ fn new_bar() -> ProgressBar {
     ProgressBar::new(0).with_style(style.expect("the template is well-formed"))
 }
 
-/// Whether the user, or the system, asked the program to end. Asking a second time ends it at once.
+/// Returns a flag that is set when the user or the system asks the program to end. A second request ends it at once.
 fn catch_signals() -> Arc<AtomicBool> {
     let is_ended = Arc::new(AtomicBool::new(false));
     for &signal in TERM_SIGNALS {
-        // What cannot be caught ends the program as if nobody had tried.
+        // Signals that cannot be caught keep their default behaviour.
         let _ = flag::register_conditional_shutdown(signal, 1, Arc::clone(&is_ended));
         let _ = flag::register(signal, Arc::clone(&is_ended));
     }

@@ -7,7 +7,7 @@ use indicatif::HumanCount;
 
 use super::words::{self, plural};
 
-/// The report in the order in which the data flows.
+/// Describes a report in the order in which the data flows.
 pub fn describe(report: &Report) -> String {
     let mut text = String::new();
     let mut line = |label: &str, content: &str| {

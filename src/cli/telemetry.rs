@@ -10,7 +10,7 @@ use flightcam::{
     },
 };
 
-/// What is printed below the help, where a path is wanted.
+/// Printed below the help of commands that take paths.
 pub const EXAMPLES: &str = "\
 Telemetry that no profile knows:
   --attitude, --velocity, --gimbal and --position take message paths as in
@@ -86,7 +86,7 @@ fn role(kind: Kind) -> impl Fn(&str) -> Result<RoleArgument, BadArgument> + Clon
 }
 
 impl TelemetryArguments {
-    /// As the library takes it.
+    /// Converts the arguments to the library's request.
     pub fn request(&self) -> Result<Request, Error> {
         let roles = [
             (Kind::Attitude, &self.attitude),

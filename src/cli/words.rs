@@ -1,4 +1,4 @@
-//! What the library reports as data, in words for the terminal.
+//! The library's reports, which are data, in words for the terminal.
 
 mod camera;
 mod note;
@@ -11,7 +11,7 @@ pub use sample::{first_sample, label};
 use flightcam::report::{Chosen, ProfileReport};
 use indicatif::HumanCount;
 
-/// The profile, and why this one.
+/// The profile, and why it was chosen.
 pub fn profile(profile: &ProfileReport) -> String {
     let chosen = match profile.chosen {
         Chosen::Automatically => "chosen because",
@@ -20,7 +20,7 @@ pub fn profile(profile: &ProfileReport) -> String {
     format!("{}, {chosen} {}", profile.name, profile.attitude)
 }
 
-/// A count of things, with the thing's plural where it is due.
+/// A count of things, with the noun in the plural unless the count is one.
 pub fn plural(count: u64, thing: &str) -> String {
     let ending = if count == 1 { "" } else { "s" };
     format!("{} {thing}{ending}", HumanCount(count))

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::log::ReadError;
 
-/// How many fields a message lists at most.
+/// The most field names that an error message lists.
 const LISTED: usize = 40;
 
 /// Why fields cannot be read from a channel's messages.
@@ -35,10 +35,10 @@ pub enum SchemaError {
     JsonSchema(serde_json::Error),
     #[error("its ROS message definition cannot be used: {0}")]
     RosDefinition(#[from] RosDefinitionError),
-    #[error("it has no field {}; {place} has {}", quote(lacking), list(available))]
+    #[error("it has no field {}; {place} has {}", quote(missing), list(available))]
     NoSuchField {
-        lacking: Vec<FieldPath>,
-        /// Where the first of them was looked for.
+        missing: Vec<FieldPath>,
+        /// The place where the first of them was looked for.
         place: Listing,
         available: Vec<String>,
     },
@@ -88,14 +88,14 @@ pub enum RosDefinitionError {
     TooDeep { name: String, limit: usize },
 }
 
-/// What lists the fields of a message.
+/// The source of the list of a message's fields.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Listing {
-    /// The message type of that name.
+    /// The message type with this name.
     MessageType(String),
     /// The channel's JSON schema.
     JsonSchema,
-    /// The one of a JSON channel's first messages that has the most fields.
+    /// The message with the most fields among a JSON channel's first messages.
     FirstMessages,
 }
 
@@ -104,7 +104,7 @@ impl fmt::Display for Listing {
         f.write_str(match self {
             Self::MessageType(name) => name,
             Self::JsonSchema => "its JSON schema",
-            Self::FirstMessages => "the fullest of its first messages",
+            Self::FirstMessages => "the one of its first messages with the most fields",
         })
     }
 }
@@ -144,20 +144,20 @@ impl fmt::Display for Expected {
 }
 
 impl SchemaError {
-    /// Both, where both say that fields are lacking; else this one.
+    /// Returns one error for all missing fields if both report missing fields; otherwise this one.
     pub fn and(mut self, other: Option<Self>) -> Self {
-        if let (Self::NoSuchField { lacking, .. }, Some(Self::NoSuchField { lacking: more, .. })) =
+        if let (Self::NoSuchField { missing, .. }, Some(Self::NoSuchField { missing: more, .. })) =
             (&mut self, other)
         {
-            lacking.extend(more);
+            missing.extend(more);
         }
         self
     }
 
-    /// How many fields are lacking or not as wanted; more than there can be where the fields are not known.
-    pub fn lacks(&self) -> usize {
+    /// How many fields are missing or of the wrong type; `usize::MAX` if unknown.
+    pub fn missing_fields(&self) -> usize {
         match self {
-            Self::NoSuchField { lacking, .. } => lacking.len(),
+            Self::NoSuchField { missing, .. } => missing.len(),
             Self::NotThere { .. }
             | Self::OutOfRange { .. }
             | Self::WrongShape { .. }
@@ -180,7 +180,7 @@ impl SchemaError {
     }
 }
 
-/// Names in backquotes.
+/// Formats names in backquotes.
 pub fn quote(fields: &[FieldPath]) -> String {
     let names: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
     names.join(", ")

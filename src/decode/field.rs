@@ -1,31 +1,31 @@
-//! Fields of messages: what is wanted of them, and what a schema says that they are.
+//! Fields of messages: what is wanted of them, and what the schema says they are.
 
 use std::fmt;
 
 use super::path::FieldPath;
 
-/// A field that is wanted of every message.
+/// A field that is read from every message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wanted {
     pub path: FieldPath,
     pub shape: Shape,
 }
 
-/// What a field is wanted as.
+/// The form in which a field is wanted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Shape {
-    /// One number. A truth value counts as 0 or 1.
+    /// One number. A boolean counts as 0 or 1.
     Number,
     /// A list of numbers.
     List,
-    /// Text, as its place among these words; the place of any other word is after the last.
+    /// Text, as its index among these words; the index of any other text is after the last.
     Word(Vec<String>),
 }
 
-/// What a schema says that a path leads to.
+/// What a path leads to, according to the schema.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FieldKind {
-    /// A number or a truth value.
+    /// A number or a boolean.
     Number,
     Text,
     /// ROS 2's `wstring`.
@@ -39,12 +39,12 @@ pub enum FieldKind {
     MessageList,
     /// A message with these fields.
     Message(Vec<String>),
-    /// Whatever a message holds: the schema does not say.
+    /// Anything a message may contain: the schema does not say.
     Unknown,
 }
 
 impl FieldKind {
-    /// Whether a field of this kind can be read as what is wanted.
+    /// Whether a field of this kind can be read in the wanted form.
     pub fn is_a(&self, shape: &Shape) -> bool {
         matches!(
             (self, shape),
@@ -61,15 +61,15 @@ impl fmt::Display for FieldKind {
         f.write_str(match self {
             Self::Number => "a single number",
             Self::Text => "text",
-            Self::WideText => "text of wide characters",
-            Self::Bytes => "a string of bytes",
+            Self::WideText => "a wide string",
+            Self::Bytes => "bytes",
             Self::Map => "a map",
             Self::List => "a list",
-            Self::TextList => "a list of texts",
-            Self::BytesList => "a list of strings of bytes",
+            Self::TextList => "a list of strings",
+            Self::BytesList => "a list of byte strings",
             Self::MessageList => "a list of messages",
             Self::Message(_) => "a message",
-            Self::Unknown => "of no known kind",
+            Self::Unknown => "of unknown type",
         })
     }
 }

@@ -1,7 +1,7 @@
 //! JSON messages, with a JSON Schema or without one.
 //!
-//! A JSON Schema need not list every field, and text may be a number, so the channel's first messages say what the
-//! schema leaves open. A message is then read by a streaming parser, without building it.
+//! A JSON Schema need not list every field, and a string may hold a number, so the channel's first messages say what
+//! the schema leaves open. A message is then read by a streaming parser, without building it.
 
 mod decoder;
 mod first_messages;

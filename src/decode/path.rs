@@ -5,7 +5,7 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
-/// A field of a message, of a message within it, or of a list: `roll`, `velocity.x`, `q[0]`, `esc[2].rpm`.
+/// A field of a message, of a nested message, or of a list: `roll`, `velocity.x`, `q[0]`, `esc[2].rpm`.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct FieldPath {
@@ -15,14 +15,14 @@ pub struct FieldPath {
 /// One step of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PathStep {
-    /// To a field of a message.
+    /// Leads to a field of a message.
     Name(String),
-    /// To an element of a list, counted from 0.
+    /// Leads to an element of a list, counted from 0.
     Index(usize),
 }
 
-/// A topic, and a field of its messages where one is named: `/imu.orientation`, or `/imu` alone. A topic with
-/// characters that have a meaning here is put in double quotes: `"/a.b".field`.
+/// A topic and, if one is named, a field of its messages: `/imu.orientation`, or `/imu` alone. A topic that contains
+/// characters with a meaning here is put in double quotes: `"/a.b".field`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MessagePath {
     /// The topic.
@@ -31,7 +31,7 @@ pub struct MessagePath {
     pub field: Option<FieldPath>,
 }
 
-/// Text that is not a path.
+/// A text that is not a path.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is not {wanted}")]
 pub struct NotAPath {
@@ -45,14 +45,14 @@ impl FieldPath {
         &self.steps
     }
 
-    /// The first of its steps, that many.
+    /// The path of the first `count` steps.
     pub(super) fn first(&self, count: usize) -> Self {
         Self {
             steps: self.steps[..count].to_vec(),
         }
     }
 
-    /// The field of that name within this one.
+    /// The field with this name within this one.
     pub fn child(&self, name: &str) -> Self {
         let mut steps = self.steps.clone();
         steps.push(PathStep::Name(name.to_owned()));
@@ -85,7 +85,7 @@ fn parse_steps(text: &str) -> Option<Vec<PathStep>> {
         if !indexes.is_empty() {
             let inner = indexes.strip_prefix('[')?.strip_suffix(']')?;
             for index in inner.split("][") {
-                // Not all that parses as a number is written as one: `+1` does.
+                // `parse` accepts more than digits, for example `+1`.
                 let is_plain = index.bytes().all(|byte| byte.is_ascii_digit());
                 steps.push(PathStep::Index(index.parse().ok().filter(|_| is_plain)?));
             }

@@ -11,19 +11,19 @@ pub trait Node: Sized {
     /// How the encoding's decoder recognises a field of a message.
     type Name;
 
-    /// What is there.
+    /// What kind of value is there.
     fn kind(&self) -> FieldKind;
 
-    /// The names of its fields, and what lists them; `None` where this is not a message.
+    /// The names of its fields, and what lists them; `None` if this is not a message.
     fn fields(&self) -> Option<(Listing, Vec<String>)>;
 
-    /// The field of that name; `None` where this is not a message, or one without that field.
+    /// The field with this name; `None` if this is not a message, or one without that field.
     fn field(&self, name: &str) -> Option<(Self::Name, Self)>;
 
-    /// An element, counted from 0; `None` where this is not a list, or one that is always shorter.
+    /// An element, counted from 0; `None` if this is not a list, or one that is always shorter.
     fn element(&self, index: usize) -> Option<Self>;
 
-    /// How many elements the list always has; `None` where this is not a list, or one of varying length.
+    /// How many elements the list always has; `None` if this is not a list, or one of varying length.
     fn length(&self) -> Option<usize> {
         None
     }
@@ -36,7 +36,7 @@ pub struct Resolved<N: Node> {
     pub keys: Vec<Key<N::Name>>,
 }
 
-/// A step of a path, its name as the encoding's decoder recognises it.
+/// A step of a path, with its name in the form that the encoding's decoder recognises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Key<Name> {
     Name(Name),
@@ -77,7 +77,7 @@ pub fn walk<N: Node>(root: N, path: &FieldPath) -> Result<Resolved<N>, DeadEnd<N
 }
 
 impl<N: Node> DeadEnd<N> {
-    /// Why the path does not go on.
+    /// Explains why the path ends here.
     fn explain(&self, path: &FieldPath) -> SchemaError {
         let path = path.clone();
         match (
@@ -86,7 +86,7 @@ impl<N: Node> DeadEnd<N> {
             self.node.length(),
         ) {
             (PathStep::Name(_), Some((place, available)), _) => SchemaError::NoSuchField {
-                lacking: vec![path],
+                missing: vec![path],
                 place,
                 available,
             },

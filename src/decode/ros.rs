@@ -50,7 +50,7 @@ pub struct RosDecoder {
 }
 
 impl RosSchema {
-    /// Of a type's name, `pkg/Type` or `pkg/msg/Type`, and its definition.
+    /// Reads the definition of a type whose name is `pkg/Type` or `pkg/msg/Type`.
     pub fn new(dialect: Dialect, name: &str, definition: &[u8]) -> Result<Self, SchemaError> {
         let text = String::from_utf8_lossy(definition);
         let message = linker::link(dialect, name, &text)?;
@@ -62,7 +62,7 @@ impl RosSchema {
         Ok(resolve(self.root(), path)?.node.kind())
     }
 
-    /// A decoder that puts the n-th wanted field into slot n.
+    /// Makes a decoder that puts the n-th wanted field into slot n.
     pub fn decoder(&self, wanted: &[Wanted]) -> Result<RosDecoder, SchemaError> {
         let root = self.root();
         let fields = FieldTree::Message(tree(&root, wanted, Op::read)?);
@@ -78,8 +78,8 @@ impl RosSchema {
 }
 
 impl RosDecoder {
-    /// Reads a message's wanted fields into their slots, which must be cleared. An element that a list is too short to
-    /// have leaves its slot empty.
+    /// Reads a message's wanted fields into their slots, which must be cleared. If a list is too short to contain a
+    /// wanted element, its slot stays empty.
     pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
         let mut cursor = Cursor::new(self.dialect, message)?;
         self.program.run(&mut cursor, &mut slots.values)

@@ -13,11 +13,11 @@ use super::{
 };
 use crate::log::contents;
 
-/// The encodings that are read, for messages about others.
+/// The supported encodings, for error messages.
 pub const SUPPORTED: &str =
     "protobuf, JSON, ROS 2 (cdr with ros2msg) and ROS 1 (ros1 with ros1msg)";
 
-/// What says which fields a channel's messages have.
+/// The definition of the fields that a channel's messages have.
 #[derive(Debug)]
 pub enum MessageSchema<'a> {
     Protobuf(ProtobufSchema),
@@ -34,7 +34,7 @@ pub enum MessageDecoder {
 }
 
 impl<'a> MessageSchema<'a> {
-    /// Of a channel, which names this schema.
+    /// Reads the schema of a channel, which refers to this schema record.
     pub fn of(
         channel: &Channel,
         schema: Option<&contents::SchemaRecord>,
@@ -62,7 +62,7 @@ impl<'a> MessageSchema<'a> {
         }
     }
 
-    /// What a path leads to.
+    /// What kind of field a path leads to.
     pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         match self {
             Self::Protobuf(schema) => schema.kind_of(path),
@@ -71,7 +71,7 @@ impl<'a> MessageSchema<'a> {
         }
     }
 
-    /// A decoder that puts the n-th wanted field into slot n.
+    /// Makes a decoder that puts the n-th wanted field into slot n.
     pub fn decoder(&self, wanted: &[Wanted]) -> Result<MessageDecoder, SchemaError> {
         match self {
             Self::Protobuf(schema) => schema.decoder(wanted).map(MessageDecoder::Protobuf),

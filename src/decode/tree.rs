@@ -11,26 +11,26 @@ use super::{
 /// The wanted fields of a message.
 pub type Branches<Name, Leaf> = Vec<(Name, FieldTree<Name, Leaf>)>;
 
-/// What is wanted of a field or of an element.
+/// What is wanted of a field or an element.
 #[derive(Debug)]
 pub enum FieldTree<Name, Leaf> {
-    /// The whole of it.
+    /// All of it.
     Leaf(Leaf),
-    /// Fields of the message that it is.
+    /// Fields of it, which is a message.
     Message(Branches<Name, Leaf>),
-    /// Elements of the list that it is.
+    /// Elements of it, which is a list.
     List {
-        /// The list's place in [`Slots::seen`](super::value::Slots::seen).
+        /// The list's index in [`Slots::seen`](super::value::Slots::seen).
         counter: usize,
         elements: Vec<(usize, Self)>,
     },
 }
 
-/// Resolves wanted fields against the schema of a message. `leaf` makes what reads a field of a shape into a slot,
-/// the n-th field into slot n; it gives `None` where the field does not have that shape.
+/// Resolves wanted fields against the schema of a message. `leaf` makes what reads a field of some shape into a slot,
+/// the n-th field into slot n; it returns `None` if the field does not have that shape.
 ///
 /// # Errors
-/// A field is not in the schema, or not of the wanted shape; or a path leads through what another one leads to.
+/// A field is not in the schema, or not of the wanted shape; or one path leads to a value that another leads through.
 pub fn tree<N: Node<Name: PartialEq> + Clone, Leaf>(
     message: &N,
     wanted: &[Wanted],
@@ -55,11 +55,11 @@ pub fn tree<N: Node<Name: PartialEq> + Clone, Leaf>(
     Ok(branches)
 }
 
-/// A path leads to what another path leads through.
+/// One path leads to a value that another leads through.
 struct Overlap;
 
-/// Adds what is at the end of a path to branches: the path's next key is one of theirs, `rest` are those after it.
-/// `lists` counts the lists in the tree.
+/// Adds the leaf at the end of a path to some branches. The path continues with `key`, which belongs to these branches,
+/// and then `rest`. `lists` counts the lists in the tree.
 fn insert<K: PartialEq, Name: PartialEq, Leaf>(
     branches: &mut Vec<(K, FieldTree<Name, Leaf>)>,
     key: K,
@@ -86,7 +86,7 @@ fn insert<K: PartialEq, Name: PartialEq, Leaf>(
 }
 
 impl<Name, Leaf> FieldTree<Name, Leaf> {
-    /// What such a key leads into, with nothing in it yet.
+    /// Makes the empty tree that such a key leads into.
     fn beginning_with(key: &Key<Name>, lists: &mut usize) -> Self {
         match key {
             Key::Name(_) => Self::Message(Vec::new()),

@@ -1,8 +1,8 @@
-//! What the wanted fields of one message held.
+//! The values of the wanted fields of one message.
 
 use super::{field::Wanted, path::PathStep};
 
-/// A number of a message, with all of its digits.
+/// A number of a message, at full precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
     Real(f64),
@@ -11,7 +11,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// Rounded to double precision.
+    /// The number, rounded to double precision.
     pub fn to_f64(self) -> f64 {
         match self {
             Self::Real(number) => number,
@@ -20,7 +20,7 @@ impl Number {
         }
     }
 
-    /// Whether it is this integer.
+    /// Whether it equals this integer.
     pub fn is(self, integer: i64) -> bool {
         match self {
             Self::Real(number) => number == integer as f64,
@@ -29,7 +29,7 @@ impl Number {
         }
     }
 
-    /// The bits of an integer, of a negative one in two's complement.
+    /// The bits of an integer, two's complement if negative.
     pub fn bits(self) -> u64 {
         match self {
             Self::Real(number) => number as i64 as u64,
@@ -71,7 +71,7 @@ impl From<bool> for Number {
 
 /// What a field held in one message: a number, a list of them, or nothing.
 ///
-/// Of a list the first [`CAPACITY`](Self::CAPACITY) numbers are kept.
+/// Only the first [`CAPACITY`](Self::CAPACITY) numbers of a list are kept.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FieldValue {
     present: bool,
@@ -100,7 +100,7 @@ impl FieldValue {
         self.count += 1;
     }
 
-    /// Sets the place of a text among the wanted words.
+    /// Stores the index of a text among the wanted words.
     pub fn set_word(&mut self, words: &[String], text: &[u8]) {
         let place = words.iter().position(|word| word.as_bytes() == text);
         self.set(place.unwrap_or(words.len()) as u64);
@@ -114,13 +114,12 @@ impl FieldValue {
         self.present
     }
 
-    /// The number with all of its digits; `None` where the field is missing or is a list of another length
-    /// than one.
+    /// The number at full precision; `None` if the field is missing or is a list whose length is not one.
     pub fn exact(&self) -> Option<Number> {
         (self.present && self.count == 1).then_some(self.numbers[0])
     }
 
-    /// The number; `None` where the field is missing or is a list of another length than one.
+    /// The number; `None` if the field is missing or is a list whose length is not one.
     pub fn number(&self) -> Option<f64> {
         self.exact().map(Number::to_f64)
     }
@@ -130,7 +129,7 @@ impl FieldValue {
         self.count
     }
 
-    /// The numbers that were kept of a list.
+    /// The numbers of a list that were kept.
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         let kept = self.count.min(Self::CAPACITY);
         self.numbers[..kept].iter().map(|number| number.to_f64())
@@ -140,7 +139,7 @@ impl FieldValue {
 /// What one message held: a value for each wanted field, and what the decoder counts while it reads.
 #[derive(Debug, Clone, Default)]
 pub struct Slots {
-    /// In the order in which the fields were wanted.
+    /// The values, in the order in which the fields were wanted.
     pub values: Vec<FieldValue>,
     /// How many elements were seen of each list that a path leads into. There are no more such lists than indexes in
     /// paths.
@@ -148,7 +147,7 @@ pub struct Slots {
 }
 
 impl Slots {
-    /// For the values of these fields.
+    /// Makes slots for the values of these fields.
     pub fn new(wanted: &[Wanted]) -> Self {
         let steps = wanted.iter().flat_map(|field| field.path.steps());
         let lists = steps
@@ -160,11 +159,11 @@ impl Slots {
         }
     }
 
-    /// Before the next message.
+    /// Clears the slots for the next message.
     pub fn clear(&mut self) {
         self.values.iter_mut().for_each(FieldValue::clear);
-        // An empty list has no valid address, and filling nothing there takes some processors longer than
-        // reading a message.
+        // An empty `Vec`'s pointer dangles, and on some processors a zero-length fill there takes longer than reading a
+        // message.
         if !self.seen.is_empty() {
             self.seen.fill(0);
         }

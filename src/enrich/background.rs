@@ -30,7 +30,7 @@ impl<'scope> Background<'scope> {
         }))
     }
 
-    /// Waits for its end.
+    /// Waits for the thread to end.
     ///
     /// # Errors
     /// The run is cancelled, perhaps because of an error on this thread.
@@ -43,7 +43,7 @@ impl<'scope> Background<'scope> {
     }
 }
 
-/// Tells a thread that flushes a file to the disk when there is more of it. The thread ends when this is dropped.
+/// Notifies a thread that flushes a file to the disk when there is more of it. The thread ends when this is dropped.
 pub struct Flusher(SyncSender<()>);
 
 impl Flusher {
@@ -68,7 +68,7 @@ impl Flusher {
         Ok((Self(more), Background::start(scope, run, flush)))
     }
 
-    /// There is more of the file.
+    /// Notifies the thread that there is more of the file.
     pub fn flush(&self) {
         let _ = self.0.try_send(());
     }

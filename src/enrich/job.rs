@@ -113,7 +113,7 @@ fn derive(
 ) -> Result<Derivation, Stopped> {
     let total = reader.bytes_total();
     // Sending waits while there is no room. It fails when the receiver is dropped. That is not an error of this thread:
-    // the other side has one, or does not want any more.
+    // the other side has one, or has stopped early.
     let hand_over = |derived: &mut Vec<Derived>, bytes_read| {
         let batch = mem::replace(derived, Vec::with_capacity(BATCH));
         batches.send(batch).map_err(|_| Cancelled)?;
@@ -122,7 +122,7 @@ fn derive(
     };
     let mut derived = Vec::with_capacity(BATCH);
     let (source, dropped) = reader.for_each(|sample, bytes_read| {
-        // Checked for each sample, because nothing may follow from many of them.
+        // Checked for each sample, because many of them may yield no value.
         run.go_on()?;
         transform.push(sample, &mut derived);
         match derived.len() < BATCH {

@@ -1,5 +1,5 @@
-//! Enriching a log that comes through a pipe, in one pass: it is passed on while it comes and its telemetry is spooled;
-//! then what is derived is appended.
+//! Enriching a log that comes through a pipe, in one pass: the log is passed on as it arrives and its telemetry is
+//! spooled; then what is derived is appended.
 
 use std::{
     io::{self, Read, Write},
@@ -28,7 +28,7 @@ use crate::{
 /// A log that has been passed on, up to the end of its data section.
 struct PassedOn {
     original: Original,
-    /// A log with its telemetry.
+    /// The log's telemetry, as a log of its own.
     telemetry: Log,
 }
 
@@ -62,7 +62,7 @@ pub fn enrich(
     }
 }
 
-/// From stream to stream. Even if there is no result, the next program in the pipe gets a complete log.
+/// Enriches from stream to stream. Even if there is no result, the next program in the pipe gets a complete log.
 fn enrich_onward(
     input: Named<Box<dyn Read + '_>>,
     name: &Path,
@@ -92,7 +92,7 @@ fn enrich_onward(
     })
 }
 
-/// A log with the telemetry of one that comes through a pipe.
+/// Reads a log from a pipe to its end and returns its telemetry as a log of its own.
 pub fn telemetry(
     input: Named<Box<dyn Read + '_>>,
     options: &Options,

@@ -9,7 +9,7 @@ use crate::sample::{GimbalReference, Position, Sample, Velocity};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
-// Degrees, metres per second and metres, in the axes that are named.
+// The fields are degrees, metres per second and metres, in the axes that they name.
 #[allow(missing_docs)]
 pub enum FirstSample {
     /// How the drone is oriented, from north, east, down.

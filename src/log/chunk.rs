@@ -13,7 +13,8 @@ use super::{
 /// More than any recorder puts into a chunk. A chunk that claims more is refused before it fills the memory.
 const MAX_CONTENT: u64 = 1 << 30;
 
-/// Content that does not compress becomes a little longer. No other record that is needed as a whole is longer.
+/// The most bytes of a chunk's record: content that does not compress becomes a little longer. No other record that is
+/// needed as a whole is longer.
 pub const MAX_RECORD: u64 = MAX_CONTENT + MAX_CONTENT / 64;
 
 /// Reads chunks, reusing its buffers from one to the next.
@@ -31,8 +32,8 @@ pub struct ChunkDecoder {
 }
 
 impl ChunkReader {
-    /// The header of the chunk whose record is at `offset`, and the records that it contains, checked against
-    /// its length and, where it has one, its checksum.
+    /// Reads the header of the chunk whose record is at `offset`, and the records that it contains, checked against its
+    /// length and, if it has one, its checksum.
     ///
     /// # Errors
     /// There is no such chunk, or its content is damaged.
@@ -65,7 +66,7 @@ pub fn check_length(length: u64) -> Result<(), ChunkFault> {
     }
 }
 
-/// The header of a chunk, from the body of its record, and its compressed content.
+/// Splits the body of a chunk's record into its header and its compressed content.
 fn split(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
     match mcap::parse_record(op::CHUNK, body).ok()? {
         Record::Chunk {
@@ -77,8 +78,8 @@ fn split(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
 }
 
 impl ChunkDecoder {
-    /// The header of a chunk, from the body of its record, and the records that it contains, checked against its
-    /// length and, where it has one, its checksum.
+    /// Reads the header of a chunk from the body of its record, and the records that it contains, checked against its
+    /// length and, if it has one, its checksum.
     pub fn records<'a>(
         &'a mut self,
         body: &'a [u8],

@@ -11,7 +11,7 @@ use mcap::records::{
 
 use super::record::{Raw, parse};
 
-/// Everything that the log's records add up to, in memory that does not depend on how many messages it has.
+/// An index of the log's records; its size does not depend on the message count.
 #[derive(Debug, Clone, Default)]
 pub struct Contents {
     /// The schemas and channels that are defined.
@@ -22,7 +22,7 @@ pub struct Contents {
     pub attachments: Vec<Raw<AttachmentIndex>>,
     /// Where the Metadata records are.
     pub metadata: Vec<Raw<MetadataIndex>>,
-    /// Counted over what is listed here, regardless of the log's own.
+    /// Statistics of what is listed here, regardless of the log's own.
     pub statistics: Statistics,
     /// Channel ids that the log's summary mentions, though perhaps nothing else does.
     pub mentioned_channel_ids: BTreeSet<u16>,
@@ -33,15 +33,15 @@ pub struct Contents {
 /// Schemas and channels by id; of several records with the same id, the first.
 #[derive(Debug, Clone, Default)]
 pub struct Definitions {
-    /// By id.
+    /// Schemas by id.
     pub schemas: BTreeMap<u16, SchemaRecord>,
-    /// By id.
+    /// Channels by id.
     pub channels: BTreeMap<u16, Raw<Channel>>,
 }
 
 impl Definitions {
-    /// Takes the body of a schema record or else of a channel record. Gives its id if it is new; `None` if the body
-    /// cannot be read.
+    /// Adds a schema or a channel from the body of its record. Returns its id if it is new; `None` if the body cannot
+    /// be read.
     pub fn add(&mut self, opcode: u8, body: &[u8]) -> Option<Option<u16>> {
         fn insert<T>(known: &mut BTreeMap<u16, T>, id: u16, new: T) -> Option<u16> {
             match known.entry(id) {
@@ -62,14 +62,14 @@ impl Definitions {
     }
 }
 
-/// A schema, as its record says it.
+/// A schema, as its record defines it.
 #[derive(Debug, Clone)]
 pub struct SchemaRecord {
-    /// Not 0, which means "no schema".
+    /// The schema's id. It is not 0, which means "no schema".
     pub id: u16,
     /// The name of the channel's message type.
     pub name: String,
-    /// In which language it is written: `protobuf`, `jsonschema`, …
+    /// The language in which it is written: `protobuf`, `jsonschema`, …
     pub encoding: String,
     /// The whole body of the schema's record.
     pub body: Vec<u8>,
@@ -122,7 +122,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Those of some channels that have messages in it.
+    /// Those of these channels that have messages in it.
     pub fn channels_among(&self, channel_ids: &BTreeSet<u16>) -> BTreeSet<u16> {
         let here = self.message_counts.keys().copied();
         here.filter(|id| channel_ids.contains(id)).collect()

@@ -8,7 +8,7 @@ use std::{
 /// Why a log cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-// What each variant and field is, its message says.
+// Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum ReadError {
     #[error("{}: {action}: {source}", path.display())]
@@ -51,7 +51,7 @@ pub enum ReadError {
 /// How a log violates the format, at the offset in [`ReadError::Damaged`].
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-// What each variant and field is, its message says.
+// Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum Damage {
     #[error("there should be the header, the log's first record")]
@@ -123,7 +123,7 @@ pub enum ChunkFault {
     TooLarge(u64),
 }
 
-/// A format whose files are easily taken for MCAP.
+/// A format whose files are easily mistaken for MCAP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)]
@@ -139,7 +139,7 @@ pub enum ForeignFormat {
 }
 
 impl ForeignFormat {
-    /// The format of a file that starts like this.
+    /// The format of a file that starts with these bytes.
     pub(super) fn of(start: &[u8]) -> Option<Self> {
         let formats: [(&[u8], Self); 4] = [
             (b"ULog", Self::Ulog),

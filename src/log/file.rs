@@ -27,9 +27,9 @@ pub struct LogFile {
 
 #[derive(Debug)]
 enum Bytes {
-    /// In a file, from which the kernel can copy, and which can be changed in place.
+    /// A file, from which the kernel can copy, and which can be changed in place.
     File(LockedFile),
-    /// In something that can only be read.
+    /// Anything else, which can only be read.
     Other(Box<dyn ReadAt>),
 }
 
@@ -76,7 +76,7 @@ impl LogFile {
         Self { recovered, ..self }
     }
 
-    /// A file of this process alone, which needs no lock, and its name in errors.
+    /// Wraps a file of this process alone, which needs no lock; errors call it `path`.
     ///
     /// # Errors
     /// Its length cannot be read.
@@ -84,7 +84,7 @@ impl LogFile {
         Self::of(path, Bytes::File(file.into()))
     }
 
-    /// Bytes that are not in a file, and their name in errors.
+    /// Wraps bytes that are not in a file; errors call them `name`.
     ///
     /// # Errors
     /// Their number cannot be read.
@@ -149,7 +149,7 @@ impl LogFile {
         }
     }
 
-    /// The file, if it has these bytes.
+    /// The file, if these bytes are in it.
     pub(crate) fn file_with(&self, range: &Range<u64>) -> Option<&File> {
         let tail = self.tail.as_ref();
         let is_there = tail.is_none_or(|tail| range.end <= tail.start);
@@ -237,7 +237,7 @@ impl LogFile {
         }
     }
 
-    /// As [`read_into`](Self::read_into), into a buffer of its own.
+    /// Like [`read_into`](Self::read_into), but into a buffer of its own.
     ///
     /// # Errors
     /// Those of [`read_into`](Self::read_into).

@@ -1,4 +1,4 @@
-//! The log times of a channel's messages, without reading the messages where the log has indexes of them.
+//! The log times of a channel's messages, without reading the messages if the log has indexes of them.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -10,8 +10,8 @@ use crate::fs::ReadAt;
 /// How much is hashed at each end.
 const HASHED: u64 = 64 * 1024;
 
-/// Identifies the start of a file: by its length, and by hashes of its first and last 64 KiB, or of all of it where it
-/// is shorter.
+/// Identifies the start of a file: by its length, and by hashes of its first and last 64 KiB, or of all of it if it is
+/// shorter.
 #[binrw]
 #[brw(little)]
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub struct Prefix {
 }
 
 impl Prefix {
-    /// Of the first `length` bytes.
+    /// Identifies the first `length` bytes.
     ///
     /// # Errors
     /// There are fewer, or they cannot be read.

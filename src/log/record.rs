@@ -37,7 +37,7 @@ pub struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
-    /// Of a buffer that starts with a record.
+    /// Iterates over a buffer that starts with a record.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, position: 0 }
     }
@@ -107,7 +107,7 @@ impl<'a> RawMessage<'a> {
 /// record; writing the body again keeps them.
 #[derive(Debug, Clone)]
 pub struct Raw<T> {
-    /// What the bytes say.
+    /// The record that the bytes encode.
     pub record: T,
     /// The bytes, without opcode and length.
     pub body: Vec<u8>,
@@ -125,13 +125,13 @@ where
         })
     }
 
-    /// A record that is not in the log yet.
+    /// Wraps a record that is not in the log yet.
     pub fn new(record: T) -> Self {
         let body = serialize(&record);
         Self { record, body }
     }
 
-    /// Changes what the bytes say. What a later version of the format appended stays.
+    /// Changes the record. What a later version of the format appended stays.
     pub fn change(&mut self, change: impl FnOnce(&mut T)) {
         let mut known = Cursor::new(&self.body);
         let appended = match T::read_le(&mut known) {
@@ -149,14 +149,14 @@ pub fn parse<T: for<'a> BinRead<Args<'a> = ()>>(body: &[u8]) -> binrw::BinResult
     T::read_le(&mut Cursor::new(body))
 }
 
-/// A record's body, ready to be framed.
+/// Serialises a record's body, ready to be framed.
 pub fn serialize<T: for<'a> BinWrite<Args<'a> = ()>>(record: &T) -> Vec<u8> {
     let mut body = Vec::new();
     serialize_into(&mut body, record);
     body
 }
 
-/// Puts a record's body into an empty buffer.
+/// Serialises a record's body into an empty buffer.
 pub(crate) fn serialize_into<T: for<'a> BinWrite<Args<'a> = ()>>(body: &mut Vec<u8>, record: &T) {
     record
         .write_le(&mut Cursor::new(body))

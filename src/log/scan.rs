@@ -150,7 +150,7 @@ pub struct Collector {
 pub struct DefinedInChunk {
     /// The chunk's offset.
     pub chunk: u64,
-    /// Of its record: that of a schema or a channel.
+    /// The opcode of its record, schema or channel.
     pub opcode: u8,
     pub id: u16,
 }

@@ -24,7 +24,7 @@ pub struct SegmentReader<'a> {
 }
 
 impl<'a> SegmentReader<'a> {
-    /// For the segments of a log.
+    /// Reads the segments of a log.
     pub fn new(log: &'a Log) -> Self {
         Self {
             file: &log.file,
@@ -34,10 +34,11 @@ impl<'a> SegmentReader<'a> {
         }
     }
 
-    /// The messages that a segment has on the wanted channels, in the order of the file.
+    /// Reads the messages that a segment has on the wanted channels, in the order of the file.
     ///
-    /// Of an uncompressed chunk that has message indexes only these messages are read, unless they are the greater part
-    /// of it or the indexes are wrong. Then the chunk's checksum is not checked, because that takes all of its bytes.
+    /// If the segment is an uncompressed chunk with message indexes, only these messages are read, unless they are the
+    /// greater part of it or the indexes are wrong. If only these are read, the chunk's checksum is not checked,
+    /// because that takes all of its bytes.
     ///
     /// # Errors
     /// The segment cannot be read or is damaged.

@@ -12,8 +12,8 @@ use super::{
     record::{FRAME_LENGTH, RawMessage, Records, split_frame},
 };
 
-/// Messages that start no further apart than this are read together, and so is that much from the start of the last of
-/// them, whose length is not known yet. Reading that much in vain costs about as much as another system call.
+/// Messages that start no further apart than this are read together, and this much is read from the start of the last
+/// of them, whose length is not known yet. Reading that much for nothing costs about as much as another system call.
 const WINDOW: u64 = 4096;
 
 /// Bytes of the record of an uncompressed chunk before its content: its frame, two times, the content's length and
@@ -27,7 +27,7 @@ pub struct SparseReader {
     records: Vec<u8>,
 }
 
-/// What an index says about a message.
+/// The position of a message, according to an index.
 struct Entry {
     channel_id: u16,
     log_time: u64,
@@ -36,9 +36,9 @@ struct Entry {
 }
 
 impl SparseReader {
-    /// The records of a chunk's messages on the wanted channels, in the order of the file. `None` if they cannot be
-    /// read by themselves, because the chunk is compressed or not indexed or an index is wrong, or if that is not worth
-    /// it.
+    /// Reads the records of a chunk's messages on the wanted channels, in the order of the file. Returns `None` if they
+    /// cannot be read by themselves, because the chunk is compressed or not indexed or an index is wrong, or if that is
+    /// not worthwhile.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -88,7 +88,7 @@ fn runs(entries: &[Entry]) -> impl Iterator<Item = &[Entry]> {
     entries.chunk_by(|one, next| next.offset - one.offset <= WINDOW)
 }
 
-/// How much is read from the start of the first message of a group.
+/// How much to read from the start of the first message of a group.
 fn reach(run: &[Entry]) -> u64 {
     run[run.len() - 1].offset - run[0].offset + WINDOW
 }

@@ -1,4 +1,4 @@
-//! A log that is read once, from front to back, and passed on meanwhile, because it comes through a pipe.
+//! A log that is read once, from front to back, and passed on at the same time, because it comes through a pipe.
 //!
 //! What may be needed again is kept in temporary files: the selected messages, and of all other bytes only those that
 //! appending needs. Memory holds one record at a time, and of a long one only a piece.
@@ -58,7 +58,7 @@ pub struct Passing<'a> {
 /// A log that was read from a stream and passed on, up to the end of its data section.
 #[derive(Debug)]
 pub struct Streamed {
-    /// The log as it came. Only the bytes that appending needs can be read, at their offsets: the first and the last
+    /// The log as it arrived. Only the bytes that appending needs can be read, at their offsets: the first and the last
     /// 64 KiB of the data section, everything after that, Metadata records, and chunks that are not indexed.
     pub original: Log,
     /// The selected messages, as a log of their own. Everything else that it says is true of the original: which
@@ -67,8 +67,8 @@ pub struct Streamed {
     pub telemetry: Log,
 }
 
-/// Passes a log on while it comes, record by record, up to the end of its data section: a DataEnd record, a footer, or
-/// a record that breaks off. The rest is held back. The messages that `select` selects are kept, and those of channels
+/// Passes a log on as it arrives, record by record, up to the end of its data section: a DataEnd record, a footer, or a
+/// record that breaks off. The rest is held back. The messages that `select` selects are kept, and those of channels
 /// that were not defined before them.
 ///
 /// # Errors

@@ -24,9 +24,9 @@ pub const MESSAGE_INDEX_ENTRY: u64 = 8 + 8;
 
 /// The end of a log that was closed properly.
 pub struct Ending {
-    /// Where the data section ends: the DataEnd record, or the footer where there is none.
+    /// Where the data section ends: at the DataEnd record, or at the footer if there is none.
     pub data_end: u64,
-    /// The data section's checksum, where the log has one.
+    /// The data section's checksum, if the log has one.
     pub data_crc: Option<u32>,
     /// The summary, unless there is none or it is damaged.
     pub summary: Option<Summary>,
@@ -44,8 +44,8 @@ pub struct Summary {
 }
 
 impl Ending {
-    /// Reads the end of the file; `None` if it is not that of a log that was closed, with a data section that ends at
-    /// `earliest` or later.
+    /// Reads the end of the file; `None` if it is not the end of a log that was closed, with a data section that ends
+    /// at `earliest` or later.
     pub fn read(file: &LogFile, earliest: u64) -> Result<Option<Self>, ReadError> {
         let tail = (FRAME_LENGTH + FOOTER_LENGTH + mcap::MAGIC.len()) as u64;
         let Some(footer_offset) = file.length().checked_sub(tail) else {
@@ -229,7 +229,7 @@ impl Summary {
     }
 }
 
-/// Whether a log's own statistics are those of what was found in it, and everything that is used is defined.
+/// Whether a log's own statistics match what was found, and every id in use is defined.
 fn agree(statistics: &Statistics, contents: &Contents) -> bool {
     let recount = &contents.statistics;
     let Definitions { schemas, channels } = &contents.definitions;
@@ -246,7 +246,7 @@ fn agree(statistics: &Statistics, contents: &Contents) -> bool {
         && (contents.schema_ids().iter()).all(|id| schemas.contains_key(id))
 }
 
-/// Collects the records from `start` to `end`. Returns whether they do not break off.
+/// Collects the records from `start` to `end`. Returns whether all of them are whole.
 fn collect(
     collector: &mut Collector,
     file: &LogFile,
@@ -263,8 +263,8 @@ fn collect(
     }
 }
 
-/// Replaces index records that were found by those of the summary that say the same, for their bytes. Returns whether
-/// all of those were found.
+/// Replaces index records that were found by those of the summary that say the same, to keep their bytes. Returns
+/// whether all of those were found.
 fn take_over<'a, T: PartialEq + Clone + 'a>(
     found: impl Iterator<Item = &'a mut Raw<T>>,
     said: &[Raw<T>],

@@ -10,7 +10,7 @@ use super::{
 
 const NAME: &str = "flightcam.v1.CameraVelocity";
 
-/// Along the optical axis.
+/// The velocity along the optical axis.
 const FIELD_TO_PLOT: &str = "x";
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {

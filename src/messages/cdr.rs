@@ -1,11 +1,11 @@
 //! Plain CDR, little-endian: how ROS 2 messages are serialised.
 //!
-//! All of it is inlined where a message is written: then sizes and padding are known.
+//! All of it is inlined where a message is written, so that sizes and padding are known there.
 
 /// Writes one message.
 pub struct Cdr<'a> {
     out: &'a mut Vec<u8>,
-    /// Where the content begins. Alignment counts from there.
+    /// Where the content begins. Alignment is counted from there.
     origin: usize,
 }
 
@@ -19,7 +19,7 @@ impl<'a> Cdr<'a> {
         Self { out, origin }
     }
 
-    /// A number, aligned to its size.
+    /// Writes a number, aligned to its size.
     #[inline]
     pub fn put<const SIZE: usize>(&mut self, number: [u8; SIZE]) {
         let length = self.out.len() - self.origin;
@@ -28,7 +28,7 @@ impl<'a> Cdr<'a> {
         self.out.extend(number);
     }
 
-    /// A string: its length, which includes a terminating 0, and its bytes.
+    /// Writes a string: its length, which includes a terminating 0, and its bytes.
     #[inline]
     pub fn put_string(&mut self, text: &str) {
         self.put((text.len() as u32 + 1).to_le_bytes());

@@ -7,7 +7,7 @@ use super::time::split_seconds;
 /// A definition is a JSON Schema.
 pub const SCHEMA_ENCODING: &str = "jsonschema";
 
-/// Numbers are written with enough digits to read the same number again.
+/// Writes a message. Its numbers have enough digits to be read back exactly.
 pub fn write(message: &impl Serialize, out: &mut Vec<u8>) {
     serde_json::to_writer(out, message).expect("a vector grows as needed");
 }

@@ -10,7 +10,7 @@ use crate::geometry::RollPitchYaw;
 
 const NAME: &str = "flightcam.v1.RelativeRpy";
 
-/// A camera that yaws is the most common turn.
+/// Cameras turn mostly in yaw.
 const FIELD_TO_PLOT: &str = "yaw";
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {

@@ -8,8 +8,8 @@ use super::{Header, cdr::Cdr, time::split_seconds};
 
 pub const SCHEMA_ENCODING: &str = "ros2msg";
 
-/// The last second since 1970 that fits in `builtin_interfaces/Time`, in January 2038. The stamp of a later
-/// message is clamped to the last nanosecond of it; its log time is right all the same.
+/// The last second since 1970 that fits in `builtin_interfaces/Time`, in January 2038. The stamp of a later message is
+/// clamped to the last nanosecond of it; its log time is still right.
 pub const LAST_SECOND: u64 = i32::MAX as u64;
 
 /// Writes a `std_msgs/Header`.
@@ -24,9 +24,8 @@ pub fn put_header(cdr: &mut Cdr, header: Header) {
     cdr.put_string(header.frame_id);
 }
 
-/// The metadata that MCAP's ROS 2 profile asks of a channel: with which qualities of service it is played
-/// back. They are the telemetry's, so that a node that receives the one receives the other; if it has none,
-/// ROS 2's default.
+/// The channel metadata that MCAP's ROS 2 profile requires: the quality-of-service settings for playback. They are the
+/// telemetry's, so that a node that receives one receives the other; if it has none, they are ROS 2's default.
 pub fn channel_metadata(telemetry: &Channel) -> BTreeMap<String, String> {
     const QOS: &str = "offered_qos_profiles";
     let qos = telemetry.metadata.get(QOS).cloned().unwrap_or_default();

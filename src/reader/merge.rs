@@ -35,7 +35,7 @@ impl SampleRun {
     }
 }
 
-/// The run whose next sample is first is the greatest, because it has to be at the top of a heap.
+/// Reversed: `BinaryHeap` pops the greatest first.
 impl Ord for SampleRun {
     fn cmp(&self, other: &Self) -> Ordering {
         other.place().cmp(&self.place())
@@ -56,9 +56,9 @@ impl PartialEq for SampleRun {
 
 impl Eq for SampleRun {}
 
-/// Passes all samples to `take` in order, each with how many bytes were read by then. The n-th of `runs` has those of
-/// the n-th part, in the order of their times and kinds; it is requested when all samples before its part's start were
-/// taken.
+/// Passes all samples to `take` in order, each with the number of bytes read by then. The n-th of `runs` has those of
+/// the n-th part, in the order of their times and kinds; it is requested when all samples before its part's start have
+/// been taken.
 pub fn merge<E: From<ReadError>>(
     parts: &[Part],
     runs: impl Iterator<Item = Result<Vec<Sample>, ReadError>>,

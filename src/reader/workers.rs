@@ -40,7 +40,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// The samples of a part by their time, kind, and order in the file.
+    /// Reads the samples of a part, ordered by time, kind, and place in the file.
     fn read(&mut self, part: &Part) -> Result<Vec<Sample>, ReadError> {
         let &Part { start, segment } = part;
         let mut samples = Vec::new();
@@ -63,7 +63,7 @@ impl<'a> Worker<'a> {
     }
 }
 
-/// The number of workers that is worth its cost for these parts.
+/// The number of workers worth starting for these parts.
 fn worthwhile_workers(parts: &[Part]) -> usize {
     let bytes: u64 = parts.iter().map(|part| part.segment.length).sum();
     if bytes < WORTH_THREADS {
@@ -75,9 +75,9 @@ fn worthwhile_workers(parts: &[Part]) -> usize {
 
 /// Reads the samples of all parts, passes them to `take` in order, and returns the source and what was dropped.
 ///
-/// The workers read the parts in turn, and hand over the samples of one part at a time, through a channel without room:
-/// each continues only when its samples were taken. So each holds those of one part at most, and an error is that of
-/// the first part that has one, whichever worker is faster.
+/// The workers read the parts in turn, and hand over the samples of one part at a time, through a zero-capacity
+/// channel: each continues only when its samples have been taken. So each holds those of one part at most, and an error
+/// is that of the first part that has one, whichever worker is faster.
 pub fn read<E: From<ReadError>>(
     log: &Log,
     mut source: Source,
@@ -98,7 +98,7 @@ pub fn read<E: From<ReadError>>(
                 let mut worker = Worker::new(log, source.clone());
                 let work = move || {
                     for part in parts.iter().skip(first).step_by(count) {
-                        // After an error, or when `take` has failed, nobody takes it any more.
+                        // After an error, or if `take` has failed, the receiver is gone.
                         if done.send(worker.read(part)).is_err() {
                             break;
                         }
@@ -108,7 +108,7 @@ pub fn read<E: From<ReadError>>(
                 (scope.spawn(work), result)
             })
             .unzip();
-        // A worker that ends before it has read its parts has panicked. That is resumed when it is joined.
+        // A worker that ends before it has read its parts has panicked. The panic is resumed when it is joined.
         let runs = results
             .iter()
             .cycle()

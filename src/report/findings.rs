@@ -62,7 +62,7 @@ impl<'a> Findings<'a> {
 
     /// Why a quantity has no messages, if it has none.
     pub fn why_missing(&self, quantity: Quantity) -> MissingReason {
-        // The last kind first, of which each value has a sample of its own.
+        // Check the last kind first: each value comes from one of its samples.
         for &(kind, needed) in quantity.needs().iter().rev() {
             if let Some(misfit) = self.source.why_missing(kind) {
                 return MissingReason::NoSamples {

@@ -15,7 +15,7 @@ use crate::{
 pub struct MissingTopic {
     /// Its name.
     pub topic: &'static str,
-    /// Why not.
+    /// Why it is missing.
     pub reason: MissingReason,
 }
 
@@ -52,7 +52,7 @@ pub enum MissingReason {
     },
 }
 
-/// In the library, because [`RunError::NothingDerived`](crate::error::RunError::NothingDerived) quotes it.
+/// Implemented in the library, because [`RunError::NothingDerived`](crate::error::RunError::NothingDerived) quotes it.
 impl fmt::Display for MissingReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -65,8 +65,9 @@ impl fmt::Display for MissingReason {
             } => {
                 let kind = sample.name();
                 match needed {
-                    1 => write!(f, "it takes a usable {kind} sample")?,
-                    _ => write!(f, "it takes {needed} usable {kind} samples")?,
+                    1 => write!(f, "at least one usable {kind} sample is needed")?,
+                    2 => write!(f, "at least two usable {kind} samples are needed")?,
+                    _ => write!(f, "at least {needed} usable {kind} samples are needed")?,
                 }
                 let (used, total) = (tally.used, tally.total());
                 write!(f, ", and {topic} has {used} of {total} usable")?;

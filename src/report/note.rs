@@ -1,4 +1,4 @@
-//! What the user should know of a log or of a result besides.
+//! Other things the user should know about a log or a result.
 
 use std::path::PathBuf;
 
@@ -11,12 +11,12 @@ use crate::{
     writer::{Layout, provenance::EarlierRun},
 };
 
-/// What the user should know of a log or of a result besides.
+/// Other things the user should know about a log or a result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Note {
-    /// An earlier run that changed the log was cut short; the log was first brought back to what it was before.
+    /// An earlier run that changed the log was interrupted; the log was restored first.
     Recovered,
     /// The log was already enriched, and the result replaces the earlier one.
     Replaced {
@@ -83,7 +83,7 @@ pub enum Note {
         /// How its messages are encoded.
         message_encoding: String,
     },
-    /// The log goes on after January 2038, when ROS 2 stamps overflow. Later stamps are clamped; log times are
+    /// The log continues after January 2038, when ROS 2 stamps overflow. Later stamps are clamped; log times are still
     /// right.
     Ros2StampOverflow,
     /// The result, or the log, is in the folder of a ROS 2 bag, whose description does not list the new topics.
@@ -95,18 +95,18 @@ pub enum Note {
 }
 
 impl Note {
-    /// Of a log of which a change in place had been cut short.
+    /// A note for a log whose in-place change was interrupted.
     pub(crate) fn on_recovery(log: &Log) -> Option<Self> {
         log.file.was_recovered().then_some(Self::Recovered)
     }
 
-    /// Of a log that breaks off, if anything is lost.
+    /// A note for a log that breaks off, if anything is lost.
     pub(crate) fn on_lost_end(log: &Log) -> Option<Self> {
         let offset = log.breaks_off_at?;
         let lost_bytes = log.file.length() - offset;
         (lost_bytes > 0).then_some(Self::BreaksOff { offset, lost_bytes })
     }
-    /// Of telemetry whose angles are too large for radians, after all messages were read.
+    /// A note for telemetry whose angles are too large for radians, once all messages have been read.
     pub(crate) fn on_suspicious_angle(source: &Source) -> Option<Self> {
         let angle = source.suspicious_angle()?;
         let topic = source.attitude().topic.clone();

@@ -1,4 +1,4 @@
-//! What somebody who uses ROS 2 should know of a result.
+//! What ROS 2 users should know about a result.
 
 use std::{
     fs::{self, File},
@@ -63,7 +63,7 @@ fn bag_metadata(file: &Path) -> Option<PathBuf> {
     /// rosbag2 writes it first of all.
     const KEY: &[u8] = b"rosbag2_bagfile_information:";
     let path = file.parent()?.join("metadata.yaml");
-    // Anything else, such as a pipe, might keep the reader waiting.
+    // Anything else, such as a pipe, might block the reader.
     let is_file = fs::metadata(&path).is_ok_and(|metadata| metadata.is_file());
     let mut start = Vec::new();
     let file = is_file.then(|| File::open(&path).ok())??;

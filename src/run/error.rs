@@ -7,7 +7,7 @@ use crate::{error::Error, report::MissingTopic, writer::original::Lost};
 /// Why a run has no result, apart from problems with its input and its output.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-// What each variant and field is, its message says.
+// Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum RunError {
     #[error("{}: nothing can be derived from its telemetry{}", path.display(), list(missing))]

@@ -36,7 +36,7 @@ pub enum Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    /// Anything that can be read by position, and its name in reports and errors.
+    /// Wraps anything that can be read by position; `name` is its name in reports and errors.
     pub fn bytes(name: impl AsRef<Path>, bytes: impl ReadAt + 'static) -> Self {
         Self::Bytes {
             name: name.as_ref().into(),
@@ -44,7 +44,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Something that is read once, from front to back, and its name in reports and errors.
+    /// Wraps something that is read once, from front to back; `name` is its name in reports and errors.
     pub fn stream(name: impl AsRef<Path>, stream: impl Read + 'a) -> Self {
         Self::Stream {
             name: name.as_ref().into(),

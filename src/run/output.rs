@@ -38,7 +38,7 @@ pub enum Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// An open file or pipe, and its name in reports and errors.
+    /// Wraps an open file or pipe; `name` is its name in reports and errors.
     pub fn handle(name: impl AsRef<Path>, handle: File) -> Self {
         Self::Handle {
             name: name.as_ref().into(),
@@ -46,7 +46,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Anything that bytes can be written to, and its name in reports and errors.
+    /// Wraps anything that bytes can be written to; `name` is its name in reports and errors.
     pub fn stream(name: impl AsRef<Path>, stream: impl Write + 'a) -> Self {
         Self::Stream {
             name: name.as_ref().into(),
@@ -54,7 +54,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Its name in reports and errors; in place that of the input.
+    /// Its name in reports and errors, which is the input's if it is changed in place.
     pub(crate) fn name(&self, input: &Path) -> PathBuf {
         match self {
             Self::File { path, .. } => path.clone(),

@@ -20,21 +20,21 @@ pub struct BoundRole {
     pub kind: Kind,
     /// The fields of the first reading, as the profile names them.
     pub fields: Vec<FieldPath>,
-    /// Of which the first whose condition holds is used.
+    /// The ways to read a message, of which the first whose condition holds is used.
     pub readings: Vec<Reading>,
 }
 
 /// One way to read a message as a sample.
 #[derive(Debug)]
 pub struct Reading {
-    /// Where a word is compared with, its place among those that the decoder knows.
+    /// The condition. A word to compare with is given by its index among those that the decoder knows.
     pub condition: Option<Condition<Slot, i64>>,
     pub time: SampleTime<TimeSlots>,
     pub valid: Vec<Slot>,
     pub fields: RoleFields<Slot>,
 }
 
-/// Where the time of a sample is.
+/// The slots that hold the time of a sample.
 #[derive(Debug, Clone, Copy)]
 pub enum TimeSlots {
     Number { slot: Slot, unit: TimeUnit },
@@ -44,7 +44,7 @@ pub enum TimeSlots {
 /// Binds those alternatives of a role for which the schema has the fields, up to the first that needs no condition.
 ///
 /// # Errors
-/// None fits; the error lists what the closest one lacks.
+/// None fits; the error lists what is missing for the closest one.
 pub fn bind_role(
     binder: &mut Binder,
     profile: &Profile,
@@ -72,7 +72,7 @@ pub fn bind_role(
             }
             Err(error) if error.is_of_reading() => return Err(error),
             Err(error) => {
-                let share = error.lacks() as f64 / fields.len() as f64;
+                let share = error.missing_fields() as f64 / fields.len() as f64;
                 if nearest.as_ref().is_none_or(|(least, _)| share < *least) {
                     nearest = Some((share, error));
                 }
@@ -101,10 +101,10 @@ fn bind_reading(
     })
 }
 
-/// Those alternatives that are for a type of message.
+/// Selects those alternatives that are for a type of message.
 ///
 /// # Errors
-/// All are for others.
+/// All are for other types.
 pub fn for_type<'p>(
     schema_name: &str,
     alternatives: impl Iterator<Item = &'p Alternative>,

@@ -25,11 +25,11 @@ use crate::{
     },
 };
 
-/// Lengths that a quaternion may have and still be taken for a rotation. Rounding and a filter's drift stay
-/// far within; all zeros, or four other numbers, fall outside.
+/// Lengths that a quaternion may have and still be taken for a rotation. Rounding and a filter's drift stay well within
+/// them; all zeros, or four other numbers, fall outside.
 const QUATERNION_LENGTHS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
-/// Reads samples from one channel's messages. A clone reads others at the same time.
+/// Reads samples from one channel's messages. A clone can read other messages at the same time.
 #[derive(Debug, Clone)]
 pub struct ChannelReader {
     decoder: Arc<MessageDecoder>,
@@ -38,7 +38,7 @@ pub struct ChannelReader {
     largest: LargestAngles,
 }
 
-/// The largest of the attitude's Euler angles that were read as radians; 0 where there were none.
+/// The largest of the attitude's Euler angles that were read as radians; 0 if there were none.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LargestAngles {
     pub pitch: f64,
@@ -46,7 +46,7 @@ pub struct LargestAngles {
 }
 
 impl LargestAngles {
-    /// Of both.
+    /// The larger of each angle.
     pub fn max(self, other: Self) -> Self {
         Self {
             pitch: self.pitch.max(other.pitch),
@@ -56,7 +56,7 @@ impl LargestAngles {
 }
 
 impl ChannelReader {
-    /// For roles that were bound to the channel's schema, which wants these fields.
+    /// Reads samples for roles that were bound to the channel's schema, whose fields are `wanted`.
     pub fn new(
         schema: &MessageSchema,
         wanted: &[Wanted],
@@ -95,7 +95,7 @@ impl ChannelReader {
         readings.all(|reading| matches!(reading.time, SampleTime::LogTime))
     }
 
-    /// Takes over what a clone learnt from the messages that it read.
+    /// Merges what a clone has learnt from the messages that it read.
     pub fn merge(&mut self, clone: &Self) {
         self.largest = self.largest.max(clone.largest);
     }
@@ -171,7 +171,7 @@ impl Reading {
 }
 
 impl SampleTime<TimeSlots> {
-    /// Nanoseconds since the log's epoch.
+    /// The time in nanoseconds since the log's epoch.
     fn read(&self, message: &RawMessage, values: &[FieldValue]) -> Result<u64, DropReason> {
         let nanoseconds = match *self {
             Self::LogTime => Some(message.log_time),
@@ -189,7 +189,7 @@ impl SampleTime<TimeSlots> {
     }
 }
 
-/// A time in nanoseconds, if it is one: not negative, finite, and not past the year 2554.
+/// Converts a time to nanoseconds; `None` if it is negative, not finite, or past the year 2554.
 fn in_nanoseconds(number: Number, unit: u64) -> Option<u64> {
     match number {
         Number::Unsigned(number) => number.checked_mul(unit),
@@ -315,7 +315,7 @@ fn number(values: &[FieldValue], slot: Slot) -> Result<f64, DropReason> {
     values[slot].number().ok_or(DropReason::MissingField)
 }
 
-/// The number with all of its digits.
+/// The number at full precision.
 fn exact(values: &[FieldValue], slot: Slot) -> Result<Number, DropReason> {
     values[slot].exact().ok_or(DropReason::MissingField)
 }

@@ -1,4 +1,4 @@
-//! Why a log's telemetry is not found, or not clear.
+//! Why a log's telemetry is not found or is ambiguous.
 
 use std::{collections::BTreeSet, fmt, path::PathBuf, sync::Arc};
 
@@ -11,10 +11,10 @@ use crate::{
     sample::Kind,
 };
 
-/// Why a log's telemetry is not found, or not clear.
+/// Why a log's telemetry is not found or is ambiguous.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-// What each variant and field is, its message says.
+// Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum TelemetryError {
     #[error(
@@ -48,7 +48,7 @@ pub enum TelemetryError {
     )]
     SeveralVehicles {
         path: PathBuf,
-        /// The prefixes of their topics; empty for the one without.
+        /// The prefixes of their topics; empty for a vehicle without one.
         namespaces: BTreeSet<String>,
     },
 
@@ -98,7 +98,7 @@ fn written(namespace: &str) -> &str {
 pub enum Misfit {
     #[error("there is no message on {}", listed(topics))]
     NoMessages {
-        /// As the profile or the user names them.
+        /// The topics, as the profile or the user names them.
         topics: Vec<String>,
     },
 
@@ -124,15 +124,15 @@ pub enum Misfit {
     )]
     NoSuchFields {
         fields: Vec<FieldPath>,
-        /// A topic that has some of them, or may have.
+        /// A topic that has some of these fields, or may have.
         nearest: Option<TopicMisfit>,
     },
 
     #[error("no topic has messages of type {}{}", schemas.join(" or "), closest(nearest))]
     NoSuchType {
-        /// Any of which would do.
+        /// The types, any of which would do.
         schemas: Vec<String>,
-        /// A topic whose messages are of the type, and lack a field.
+        /// A topic whose messages are of the type, but are missing a field.
         nearest: Option<TopicMisfit>,
     },
 }
@@ -147,7 +147,7 @@ fn closest(nearest: &Option<TopicMisfit>) -> String {
     }
 }
 
-/// The first few of the topics that would do.
+/// The first few of several names, any of which would do.
 fn listed(names: &[String]) -> String {
     const LISTED: usize = 3;
     match names.len().saturating_sub(LISTED) {
@@ -174,9 +174,9 @@ impl TopicMisfit {
         }
     }
 
-    /// How many fields its messages lack.
-    pub(super) fn lacks(&self) -> usize {
-        self.cause.lacks()
+    /// How many fields are missing in its messages.
+    pub(super) fn missing_fields(&self) -> usize {
+        self.cause.missing_fields()
     }
 
     /// Whether the fields of its messages cannot be known.

@@ -1,25 +1,25 @@
-//! Topics as profiles name them: in any vehicle's namespace, and with a number that may be any.
+//! Topics as profiles name them: in any vehicle's namespace, and with a wildcard for a number.
 
 use std::fmt;
 
-/// What stands for any number, such as a version.
+/// The wildcard for any number, such as a version.
 const NUMBER: &str = "{n}";
 
-/// What stands for a vehicle's number. All that comes before it, and the number, is the vehicle's namespace.
+/// The wildcard for a vehicle's number. All that comes before it, and the number, is the vehicle's namespace.
 pub const VEHICLE: &str = "{vehicle}";
 
 /// A topic of a profile, in a namespace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
-    /// What comes before the vehicle's number, where the namespace does not say it. No topic matches then.
+    /// What comes before the vehicle's number, if the namespace does not say it. No topic matches then.
     vehicle: Option<String>,
     before: String,
-    /// What follows a number, where there is one.
+    /// What follows the number, if there is one.
     after: Option<String>,
 }
 
 impl Pattern {
-    /// Of a topic as a profile writes it, in a namespace, which may be empty.
+    /// Makes the pattern of a topic as a profile writes it, in a namespace, which may be empty.
     pub fn new(namespace: &str, topic: &str) -> Self {
         let (vehicle, namespace, topic) = match topic.split_once(VEHICLE) {
             None => (None, namespace, topic),
@@ -30,7 +30,7 @@ impl Pattern {
             Some((before, after)) => (before, Some(after.to_owned())),
             None => (topic, None),
         };
-        // The topics of some logs begin with no slash.
+        // The topics of some logs do not begin with a slash.
         let slash = match namespace.is_empty() || before.starts_with('/') {
             true => "",
             false => "/",
@@ -42,12 +42,12 @@ impl Pattern {
         }
     }
 
-    /// Whether this is the topic.
+    /// Whether the pattern matches the topic.
     pub fn is_match(&self, topic: &str) -> bool {
         self.rank(topic).is_some()
     }
 
-    /// Those of the topics that match, the one with the largest number first.
+    /// The topics that match, the one with the largest number first.
     pub fn matches<'t>(&self, topics: impl Iterator<Item = &'t str>) -> Vec<&'t str> {
         let mut matching: Vec<(u64, &str)> = topics
             .filter_map(|topic| Some((self.rank(topic)?, topic)))
@@ -56,7 +56,7 @@ impl Pattern {
         matching.into_iter().map(|(_, topic)| topic).collect()
     }
 
-    /// The namespace in which this topic becomes that one.
+    /// The namespace in which this pattern becomes that topic.
     pub fn namespace_of<'t>(&self, topic: &'t str) -> Option<&'t str> {
         let starts = topic.match_indices('/').map(|(start, _)| start);
         let ends = starts.chain([0]).filter_map(|start| match &self.vehicle {
@@ -72,8 +72,8 @@ impl Pattern {
             .map(|(namespace, _)| namespace)
     }
 
-    /// Whether this may be the topic in any namespace: not only in those that [`namespace_of`](Self::namespace_of)
-    /// finds, but also in those that other topics show.
+    /// Whether the pattern may match the topic in any namespace: not only in those that
+    /// [`namespace_of`](Self::namespace_of) finds, but also in those that other topics show.
     pub fn may_be_match(&self, topic: &str) -> bool {
         let Some(after) = &self.after else {
             return topic.ends_with(&self.before);
@@ -85,7 +85,7 @@ impl Pattern {
         (name.len()..digits.len()).any(|end| digits[..end].ends_with(&self.before))
     }
 
-    /// The number in a topic that matches, 0 where the pattern has none.
+    /// The number in a topic that matches; 0 if the pattern has none.
     fn rank(&self, topic: &str) -> Option<u64> {
         match self.vehicle {
             None => self.number(topic),
@@ -93,7 +93,7 @@ impl Pattern {
         }
     }
 
-    /// As [`rank`](Self::rank), of what follows the vehicle's number.
+    /// Like [`rank`](Self::rank), for the part that follows the vehicle's number.
     fn number(&self, topic: &str) -> Option<u64> {
         let rest = topic.strip_prefix(self.before.as_str())?;
         match &self.after {

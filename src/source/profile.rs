@@ -31,10 +31,10 @@ pub use place::{Condition, Place, SampleTime, Test, TimeField};
 pub struct Profile {
     /// What the report calls it.
     pub name: String,
-    /// One line for people.
+    /// A one-line description.
     #[serde(default)]
     pub description: String,
-    /// Whether the profile is tried on a log for which none was named.
+    /// Whether the profile is tried on a log for which the user names none.
     #[serde(default = "yes")]
     pub automatic: bool,
     /// Whether all of its topics may be in a vehicle's namespace: `/drone1/mavros/…` for `/mavros/…`.
@@ -53,10 +53,10 @@ type Roles = [Vec<Alternative>; Kind::ALL.len()];
 /// One of the places where a role may be, and what it is made of there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alternative {
-    /// Which messages.
+    /// Which messages it reads.
     #[serde(flatten)]
     pub place: Place,
-    /// Their fields.
+    /// The fields that it reads from them.
     #[serde(flatten)]
     pub fields: RoleFields,
 }
@@ -86,7 +86,7 @@ impl Profile {
     /// The text of a built-in profile, with the sources of its conventions.
     ///
     /// # Errors
-    /// No built-in profile has that name.
+    /// No built-in profile has this name.
     pub fn built_in_text(name: &str) -> Result<&'static str, ProfileError> {
         let profiles = Self::built_in();
         let place = profiles.iter().position(|profile| profile.name == name);
@@ -98,7 +98,7 @@ impl Profile {
             })
     }
 
-    /// A profile that has no role yet. It needs at least an attitude.
+    /// Creates a profile that has no role yet. It needs at least an attitude.
     pub fn new(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -110,7 +110,7 @@ impl Profile {
         }
     }
 
-    /// The profile with one more alternative, after the others of its role.
+    /// Adds an alternative, after the others of its role.
     #[must_use]
     pub fn with(mut self, alternative: Alternative) -> Self {
         self.alternatives_mut(alternative.fields.kind())
@@ -130,16 +130,16 @@ impl Profile {
     /// Reads a profile from TOML.
     ///
     /// # Errors
-    /// What is wrong, and where.
+    /// The text is not a profile; the error says why, and where.
     pub fn parse(toml: &str) -> Result<Self, NotAProfile> {
         text::parse(toml)
     }
 
-    /// A built-in profile by name, or one from a file: whatever ends in `.toml` or has a folder in its name
-    /// is taken for a file.
+    /// Loads a built-in profile by name, or one from a file: anything that ends in `.toml` or contains a folder is
+    /// treated as a file.
     ///
     /// # Errors
-    /// No built-in profile has that name, or the file cannot be read or is not a profile.
+    /// No built-in profile has this name, or the file cannot be read or is not a profile.
     pub fn load(name_or_file: &str) -> Result<Self, ProfileError> {
         let path = Path::new(name_or_file);
         let is_file = path

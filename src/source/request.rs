@@ -14,12 +14,12 @@ use crate::sample::Kind;
 pub use argument::RoleArgument;
 pub use error::BadArgument;
 
-/// How the user wants a log's telemetry to be found. By default all is left to the built-in profiles.
+/// How the user wants a log's telemetry to be found. By default everything is left to the built-in profiles.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
-    /// Which profile.
+    /// The profile to use.
     pub profile: ProfileChoice,
-    /// Which vehicle of several: the prefix of its topics, empty for the one without.
+    /// The vehicle to use, if there are several: the prefix of its topics, empty for one without.
     pub namespace: Option<String>,
     /// Where roles are, instead of where the profile says.
     pub roles: BTreeMap<Kind, RoleArgument>,
@@ -39,12 +39,13 @@ pub fn namespace(text: &str) -> Result<String, std::convert::Infallible> {
 }
 
 impl Request {
-    /// The profiles to try: that which was asked for, or all that are tried by themselves.
+    /// The profiles to try: the one that was asked for, or all that are tried automatically.
     pub fn profiles(&self) -> Vec<Profile> {
         let attitude = self.roles.get(&Kind::Attitude);
         let mut profiles = match (&self.profile, attitude) {
             (ProfileChoice::Given(profile), _) => vec![(**profile).clone()],
-            // With the attitude given, nothing of a built-in profile would be left that sets it apart from another.
+            // If the attitude is given, nothing would be left of the built-in profiles that sets one apart from
+            // another.
             (ProfileChoice::Automatic, Some(RoleArgument::Fields(attitude))) => {
                 vec![Profile::new("command line").with((**attitude).clone())]
             }
@@ -66,7 +67,7 @@ impl Request {
         profiles
     }
 
-    /// Puts what is asked for in the place of what the profile says.
+    /// Replaces what the profile says by what was asked for.
     fn change(&self, profile: &mut Profile) {
         for (&kind, argument) in &self.roles {
             replace(profile.alternatives_mut(kind), argument);
@@ -85,7 +86,7 @@ fn replace(alternatives: &mut Vec<Alternative>, argument: &RoleArgument) {
     match argument {
         RoleArgument::Fields(alternative) => *alternatives = vec![(**alternative).clone()],
         RoleArgument::Topic(topic) => {
-            // How a topic is to be read is known of that topic, not of others.
+            // How to read one topic says nothing about how to read others.
             if alternatives.iter().any(|one| knows(one, topic)) {
                 alternatives.retain(|one| knows(one, topic));
             }

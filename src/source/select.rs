@@ -20,7 +20,7 @@ use fit::{Specificity, specificity};
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Rank {
-    /// What is known by its topics is the vehicle's own estimate; what has the right fields may be anything's.
+    /// Named topics are the vehicle's own estimate; messages that just have the right fields may be anything's.
     specificity: Specificity,
     has_velocity: bool,
 }
@@ -48,7 +48,7 @@ impl Candidate<'_> {
 /// Which profiles are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Thoroughness {
-    /// Until none that is left could fit better.
+    /// Tries profiles until none that is left could fit better.
     UntilFound,
     All,
 }
@@ -62,7 +62,7 @@ impl Source {
         Self::find(log, request, Thoroughness::UntilFound)
     }
 
-    /// As [`select`](Self::select), trying every profile, so that all runners-up are known.
+    /// Like [`select`](Self::select), but tries every profile, so that all runners-up are known.
     ///
     /// # Errors
     /// Those of [`select`](Self::select).
@@ -79,7 +79,7 @@ impl Source {
         let finder = Finder::new(log, &examples, request);
         finder.check_request()?;
         let mut profiles = request.profiles();
-        // What one profile does not know by its topics another may; the sort keeps their order otherwise.
+        // The most specific come first. The sort is stable, so equals keep their order.
         profiles.sort_by_key(|profile| Reverse(specificity(profile)));
         let (candidates, misfits) = try_profiles(&finder, &profiles, thoroughness)?;
         let Some((best, rest)) = choose(candidates) else {
@@ -102,7 +102,7 @@ impl Source {
         })
     }
 
-    /// Reads only these kinds of sample, so that what else is in their messages cannot trouble them.
+    /// Restricts reading to these kinds of sample, so that other data in their messages cannot cause trouble.
     ///
     /// # Errors
     /// The log cannot be read.
@@ -122,7 +122,7 @@ impl Source {
     }
 }
 
-/// Where the profiles fit, and those that do not.
+/// Finds where the profiles fit, and which do not.
 fn try_profiles<'p>(
     finder: &Finder,
     profiles: &'p [Profile],
@@ -151,10 +151,10 @@ fn try_profiles<'p>(
     Ok((candidates, misfits))
 }
 
-/// The best candidates, and the others, the better ones first.
+/// Separates the best candidates from the others, the better ones of those first.
 fn choose(candidates: Vec<Candidate>) -> Option<(Vec<Candidate>, Vec<Candidate>)> {
     let best = candidates.iter().map(Candidate::rank).max()?;
-    // Which of several vehicles is meant does not follow from how much is known of each.
+    // If there are several vehicles, that more is known about one does not mean that it is the right one.
     let vehicles = candidates.iter().filter(|candidate| candidate.is_vehicle());
     let vehicles: BTreeSet<&str> = vehicles.map(|one| one.fit.namespace.as_str()).collect();
     let of_several = vehicles.len() > 1;

@@ -16,19 +16,19 @@ use crate::{
     sample::Kind,
 };
 
-/// Picks the messages that [`Source::select`](super::Source::select) might choose in a log, while the log streams
-/// by. All of these are included; some of the others, so that it finds the same as in the whole log, and for the
+/// Picks the messages that [`Source::select`](super::Source::select) might choose in a log, while the log streams by.
+/// Includes all of these, and some others, so that the selection gives the same result as on the whole log, for the
 /// same reasons.
 ///
-/// A channel is judged once, by its topic, its type, and the fields of its messages. What fields JSON messages
-/// have is known only when those have passed that are examples of the whole log's: the first ten of the first
-/// segment that has any. They are included whatever they are.
+/// A channel is judged once, by its topic, its type, and the fields of its messages. The fields of JSON messages are
+/// known only after the example messages have passed, which are the first ten of the first segment that has any. These
+/// are always included.
 #[derive(Debug)]
 pub struct StreamFilter {
-    /// Those that will be tried.
+    /// The profiles that will be tried.
     profiles: Vec<Profile>,
     namespace: Option<String>,
-    /// The roles of which the user says where they are.
+    /// The roles whose places the user gives.
     requested: BTreeSet<Kind>,
     /// Whether a channel's messages are included, by its id.
     verdicts: HashMap<u16, bool>,
@@ -38,7 +38,7 @@ pub struct StreamFilter {
 }
 
 impl StreamFilter {
-    /// For what is wanted of the log.
+    /// Makes a filter for a request.
     pub fn new(request: &Request) -> Self {
         Self {
             profiles: request.profiles(),
@@ -50,7 +50,7 @@ impl StreamFilter {
         }
     }
 
-    /// Whether a message is included. All of the log's have to be shown, in the order of the log.
+    /// Decides whether to include a message. All messages of the log have to be passed, in the order of the log.
     pub fn include(&mut self, passing: Passing) -> bool {
         let Passing {
             channel,
@@ -70,7 +70,7 @@ impl StreamFilter {
         }
         let is_schema_missing = !definitions.schemas.contains_key(&channel.schema_id);
         if channel.schema_id != 0 && is_schema_missing {
-            // It may still come.
+            // The schema may still come.
             return true;
         }
         if !FirstMessages::tell_the_fields_of(channel) || self.is_named(&channel.topic) {
@@ -89,7 +89,7 @@ impl StreamFilter {
         true
     }
 
-    /// Whether a channel's messages are included from now on; of JSON messages by these examples.
+    /// Decides whether a channel's messages are included from now on; JSON messages are judged by these examples.
     fn judge(
         &mut self,
         channel: &Channel,
@@ -116,7 +116,7 @@ impl StreamFilter {
             // The user names a topic as the log does.
             _ if is_requested => Pattern::new("", name).is_match(topic),
             Some(namespace) => Pattern::new(namespace, name).is_match(topic),
-            // Which namespaces there are is known only when all topics are.
+            // All namespaces are known only when all topics are.
             None if profile.namespaced => Pattern::new("", name).may_be_match(topic),
             None => Pattern::new("", name).is_match(topic),
         };
@@ -125,8 +125,8 @@ impl StreamFilter {
         names.any(is_match)
     }
 
-    /// Whether the messages are of the type, and have the fields, of the attitude of a profile that names no topics,
-    /// and of the velocity where they must have that too. What else such a profile finds is in the same messages.
+    /// Whether the messages have the type and the fields of the attitude of a profile that names no topics, and of the
+    /// velocity if they must have that too. Whatever else such a profile finds is in the same messages.
     fn has_attitude(
         &self,
         channel: &Channel,
@@ -162,7 +162,7 @@ impl StreamFilter {
     }
 }
 
-/// Those of a role's alternatives that name no topics and are meant for a type of message.
+/// The alternatives of a role that name no topics and are meant for a type of message.
 fn without_topics<'p>(
     profile: &'p Profile,
     kind: Kind,
@@ -173,7 +173,7 @@ fn without_topics<'p>(
     for_type(schema_name, without)
 }
 
-/// Whether the fields of such alternatives are there, or none is such.
+/// Whether the fields of such alternatives are there, or there are no such alternatives.
 fn binds(schema: &MessageSchema, profile: &Profile, kind: Kind, schema_name: &str) -> bool {
     without_topics(profile, kind, schema_name)
         .and_then(|alternatives| bind_role(&mut Binder::new(schema), profile, kind, &alternatives))

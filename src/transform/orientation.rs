@@ -24,7 +24,7 @@ pub(super) struct Gimbal {
 }
 
 impl Attitude {
-    /// Whether the estimator was not reset between the two, as far as the log has that.
+    /// Whether the estimator was not reset between the two, as far as the log says.
     pub(super) fn has_same_origin(&self, other: &Self) -> bool {
         self.resets.zip(other.resets).is_none_or(|(a, b)| a == b)
     }

@@ -27,7 +27,7 @@ pub(super) enum Unavailable {
     /// The last sample of this kind is so long ago that no sample can come to interpolate towards: the time
     /// is in a gap if another comes, and outside if none does.
     OutOfReach(Kind),
-    /// For good.
+    /// Permanently, for this reason.
     For(DropReason),
 }
 
@@ -52,7 +52,7 @@ impl<T: Interpolate> Track<T> {
         }
     }
 
-    /// Takes the next sample, and says whether it is the first at its time. Another is not taken.
+    /// Takes the next sample, and returns whether it is the first at its time. A second one is not taken.
     #[must_use]
     pub(super) fn push(&mut self, time: u64, value: T) -> bool {
         let is_first = self.points.back().is_none_or(|last| last.time != time);
@@ -87,7 +87,7 @@ impl<T: Interpolate> Track<T> {
         between.map_err(Unavailable::For)
     }
 
-    /// Forgets what only times before this one need.
+    /// Forgets what is only needed for times before this one.
     pub(super) fn forget_before(&mut self, time: u64) {
         while self.points.get(1).is_some_and(|second| second.time <= time) {
             self.points.pop_front();

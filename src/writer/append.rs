@@ -20,7 +20,7 @@ use crate::{
 /// Appends new channels to a log.
 pub struct Appender<'a, W> {
     log: &'a Log,
-    /// What is written to, for errors.
+    /// The output's path, for errors.
     path: PathBuf,
     section: Section<W>,
     /// The attachment with the log's end. Made before the first write, which may overwrite that end.

@@ -33,7 +33,7 @@ pub struct NewChannels<'a> {
 }
 
 impl<'a> NewChannels<'a> {
-    /// For a log, with messages in `format`.
+    /// Makes new channels for a log, with messages in `format`.
     pub fn new(log: &'a Log, format: Format) -> Self {
         Self {
             log,
@@ -52,7 +52,7 @@ impl<'a> NewChannels<'a> {
         self.messages.clone()
     }
 
-    /// Adds a value's message to the batch, and before the first of a topic its channel.
+    /// Adds a value's message to the batch and, before the first of a topic, also its channel.
     ///
     /// # Errors
     /// The log has no id left for a channel.
@@ -106,8 +106,8 @@ impl<'a> NewChannels<'a> {
         Ok(id)
     }
 
-    /// The id of a new channel's schema: the one that the log, or another new channel, has for the same
-    /// schema, else a free one.
+    /// The id of a new channel's schema: that of the same schema if the log or another new channel has it, otherwise a
+    /// free one.
     fn schema(
         &mut self,
         schema: &MessageDefinition,
@@ -161,7 +161,7 @@ fn no_free_id(log: &Log, kind: IdKind) -> WriteError {
     }
 }
 
-/// Uses the id above the largest in use, else the lowest free one from `lowest` on.
+/// Takes the id above the largest in use or, if there is none, the lowest free one from `lowest` on.
 fn take_free_id(used: &mut BTreeSet<u16>, lowest: u16) -> Option<u16> {
     let id = match used.last() {
         None => Some(lowest),

@@ -12,10 +12,10 @@ use crate::log::{
 /// The compression of new chunks, as MCAP names it.
 const COMPRESSION: &str = "zstd";
 
-/// Bytes of a new chunk before compression: few enough that a viewer that seeks loads little.
+/// Bytes of a new chunk before compression, few enough that a viewer that seeks loads little.
 const FULL: usize = 1024 * 1024;
 
-/// Records that make a chunk, or, in a log that must have none, follow one another in its data section.
+/// Records that become a chunk or, in a log that must have none, follow one another in its data section.
 #[derive(Debug, Default)]
 pub struct Batch {
     /// The records, as they will be in the file.
@@ -39,7 +39,7 @@ impl Batch {
         &self.records
     }
 
-    /// Whether it is time to write it.
+    /// Whether it is large enough to be written.
     pub fn is_full(&self) -> bool {
         self.records.len() >= FULL
     }
@@ -78,7 +78,7 @@ impl Batch {
         self.times = None;
     }
 
-    /// The chunk with the records, to be written at `position` in the file.
+    /// Compresses the records into a chunk, to be written at `position` in the file.
     pub fn compress(
         &self,
         position: u64,

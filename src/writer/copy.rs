@@ -8,13 +8,13 @@ use std::{
 use super::error::WriteError;
 use crate::{fs, log::file::LogFile};
 
-/// How much the kernel copies before it is checked whether to continue.
+/// How much the kernel copies between checks whether to continue.
 const STEP: u64 = 16 * 1024 * 1024;
 
 /// How much is held in memory of a log that the kernel cannot copy.
 const PIECE: u64 = 1024 * 1024;
 
-/// Copies some of a log's bytes; where they are in a file, in the kernel. `copied` is called now and then with the
+/// Copies some of a log's bytes; if they are in a file, the kernel does so. `copied` is called now and then with the
 /// offset up to which they are copied.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ use crate::log::ReadError;
 /// Why a result cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-// What each variant and field is, its message says.
+// Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum WriteError {
     #[error("{}: {action}: {source}", path.display())]
@@ -25,7 +25,7 @@ pub enum WriteError {
     #[error(transparent)]
     Read(#[from] ReadError),
 
-    /// The callback that gets the progress of copying the log broke it off.
+    /// The progress callback cancelled the copy.
     #[error("cancelled")]
     Cancelled,
 

@@ -1,9 +1,9 @@
 //! Interleaving: each of a log's chunks is followed by what was derived from its time, for readers that use no index.
 //!
-//! The log's data is cut into pieces where its segments start: the first piece is everything before the first segment,
-//! every other one is a segment and what follows it. A value goes after all pieces that have anything as early as it
-//! is, and before the others, so that if the log is in time order so is the result. Values come in time order, so the
-//! pieces are copied as their times pass, and nothing has to be held.
+//! The log's data is cut into pieces at the starts of its segments: the first piece is everything before the first
+//! segment; every other one is a segment and what follows it. A value goes after all pieces that contain anything as
+//! early as the value, and before the others, so if the log is in time order, the result is too. Values come in time
+//! order, so the pieces are copied as their times pass, and nothing has to be held.
 
 use std::{
     collections::BTreeMap,
@@ -32,25 +32,25 @@ use crate::{
 /// Rewrites a log with new channels among its chunks. All messages of the result are in chunks.
 pub struct Interleaver<'a, W> {
     log: &'a Log,
-    /// What is written to, for errors.
+    /// The output's path, for errors.
     path: PathBuf,
     section: Section<W>,
     channels: NewChannels<'a>,
     batch: Batch,
-    /// For each piece the earliest time in it or in any piece after it.
+    /// The earliest time in each piece or in any piece after it.
     starts: Vec<u64>,
-    /// How many pieces are written.
+    /// How many pieces have been written.
     written: usize,
-    /// What the log contains; for what has been written, where it is now.
+    /// What the log contains, with new positions for what has been written.
     contents: Contents,
     moves: Moves,
-    /// Of the log's bytes so far, if the log says what it should be.
+    /// The checksum of the log's bytes so far, if the log says what it should be.
     checksum: Option<Hasher>,
     reader: SegmentReader<'a>,
     on_copied: OnCopied<'a>,
 }
 
-/// Is called with the number of the log's bytes that are written, and says whether to continue.
+/// Called with the number of the log's bytes that have been written; says whether to continue.
 pub type OnCopied<'a> = Box<dyn FnMut(u64) -> ControlFlow<()> + 'a>;
 
 impl<'a, W: Write> Interleaver<'a, W> {
@@ -161,7 +161,7 @@ impl<W: Write> Interleaver<'_, W> {
         Ok(())
     }
 
-    /// Writes what has to be changed of a segment. Returns the offset from which on the bytes can be copied.
+    /// Writes the parts of a segment that change. Returns the offset from which on the bytes can be copied.
     fn write_segment(&mut self, number: usize) -> Result<u64, WriteError> {
         let segment = &self.log.contents.segments[number];
         let position = self.section.position();
@@ -248,7 +248,7 @@ impl<W: Write> Interleaver<'_, W> {
     }
 }
 
-/// For each piece of a log with these segments the earliest time in it or in any piece after it.
+/// The earliest time in each piece of a log with these segments, or in any piece after it.
 fn starts(segments: &[Segment]) -> Vec<u64> {
     let mut earliest = u64::MAX;
     let mut starts: Vec<u64> = (segments.iter().rev())
@@ -263,12 +263,12 @@ fn starts(segments: &[Segment]) -> Vec<u64> {
     starts
 }
 
-/// Where the bytes went that were copied as they are.
+/// The new positions of bytes that were copied as they are.
 #[derive(Default)]
 struct Moves(Vec<(Range<u64>, u64)>);
 
 impl Moves {
-    /// Ranges come in order, and the first one starts at 0.
+    /// Adds a range. Ranges come in order, and the first one starts at 0.
     fn push(&mut self, range: Range<u64>, position: u64) {
         self.0.push((range, position));
     }

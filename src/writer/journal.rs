@@ -120,7 +120,7 @@ pub enum JournalError {
     },
 
     #[error(
-        "{cause}\n{}: the log could not be restored either ({rollback}); {} has its old end",
+        "{cause}\nand the log {} could not be restored ({rollback}); {} has its old end",
         path.display(), journal.display()
     )]
     NotRolledBack {

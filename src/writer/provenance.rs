@@ -101,7 +101,7 @@ pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, ReadError> {
     })
 }
 
-/// How an earlier run of flightcam made a log, as its Metadata record says it.
+/// How an earlier run of flightcam made a log, as its Metadata record describes it.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct EarlierRun {

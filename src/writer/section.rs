@@ -1,4 +1,4 @@
-//! The end of the data section while it grows, and what the summary will have to say about it.
+//! The end of the data section as it grows, and what the summary will say about it.
 
 use std::{
     collections::BTreeMap,
@@ -21,7 +21,7 @@ use crate::log::{
 /// How much is held in memory of a log whose checksum is computed while it is copied.
 const PIECE: u64 = 1024 * 1024;
 
-/// The fastest of zstd's levels, because the next ones hardly make numbers that look like noise smaller.
+/// The fastest of zstd's levels, because the next ones barely compress noise-like data better.
 const COMPRESSION_LEVEL: i32 = 1;
 
 /// What was added to a data section.
@@ -47,7 +47,7 @@ pub struct Added {
 pub struct Section<W> {
     out: W,
     position: u64,
-    /// Of the section so far, if it is to have a checksum.
+    /// The checksum of the section so far, if it is to have one.
     crc: Option<Hasher>,
     compressor: zstd::bulk::Compressor<'static>,
     /// What was added.
@@ -84,7 +84,7 @@ impl<W: Write> Section<W> {
         Ok(())
     }
 
-    /// Copies some of a log's bytes, and returns their checksum if the section is to have one; if not, the kernel can
+    /// Copies some of a log's bytes, and returns their checksum if the section is to have one; otherwise the kernel can
     /// copy them.
     ///
     /// # Errors
@@ -120,7 +120,7 @@ impl<W: Write> Section<W> {
         Ok(Some(crc_of_range))
     }
 
-    /// Leaves out the section's checksum after all.
+    /// Makes the section have no checksum after all.
     pub fn drop_checksum(&mut self) {
         self.crc = None;
     }

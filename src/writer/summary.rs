@@ -13,8 +13,8 @@ use crate::log::{
 
 /// Everything after the data section, which ends at `start`: the summary, its offsets, the footer and the magic bytes.
 ///
-/// `contents` is what the log had, where that is now. Its records are written byte for byte, so that fields which a
-/// later version of the format has appended to them survive.
+/// `contents` is what the log had, with its new positions. Its records are written byte for byte, so that fields which
+/// a later version of the format has appended to them survive.
 pub fn encode(contents: &Contents, added: &Added, start: u64) -> Vec<u8> {
     let mut groups = Groups {
         start,

@@ -1,4 +1,4 @@
-//! The way out where a log's telemetry is not found, or not clear.
+//! Hints for a log whose telemetry is not found or is ambiguous.
 
 use flightcam::source::error::{Misfit, TelemetryError};
 

@@ -1,4 +1,4 @@
-//! How the camera is mounted.
+//! How the camera is mounted, in words.
 
 use flightcam::report::CameraReport;
 

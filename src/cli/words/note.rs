@@ -1,4 +1,4 @@
-//! Notes, with what the user can do about them.
+//! Notes in words, with what the user can do about them.
 
 use flightcam::{
     report::{CameraReport, Note},
@@ -16,8 +16,7 @@ pub fn note(note: &Note) -> String {
 
 fn on_the_log(note: &Note) -> Option<String> {
     Some(match note {
-        Note::Recovered => "an earlier run was interrupted while it changed the log; the log was first brought back to \
-                            what it was before"
+        Note::Recovered => "an earlier run was interrupted while it changed the log; the log was restored first"
             .to_owned(),
         Note::Replaced { earlier } => {
             format!("the log was already enriched ({earlier}); this result replaces that one")

@@ -1,4 +1,4 @@
-//! Kinds of sample, and samples.
+//! Kinds of sample, and samples, in words.
 
 use flightcam::{
     inspect::FirstSample,

@@ -1,4 +1,4 @@
-//! Numbers and texts out of the text of JSON messages.
+//! Reading numbers and strings from JSON messages.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ type JsonTree = FieldTree<String, JsonLeaf>;
 #[derive(Debug)]
 pub struct JsonLeaf {
     slot: usize,
-    /// The words among which a text is looked up; `None` where numbers are wanted.
+    /// The words among which a text is looked up; `None` if numbers are wanted.
     words: Option<Vec<String>>,
 }
 
@@ -56,8 +56,8 @@ impl From<serde_json::Error> for Undecodable {
     }
 }
 
-/// The number that a text is: how the JSON form of protobuf writes 64-bit integers, `NaN` and `Infinity`
-/// (<https://protobuf.dev/programming-guides/json/>), and how some loggers write all numbers.
+/// Parses a number that is written as a string, as protobuf's JSON form does for 64-bit integers, `NaN` and `Infinity`
+/// (<https://protobuf.dev/programming-guides/json/>), and some loggers for all numbers.
 pub fn number_in(text: &str) -> Option<Number> {
     let integer =
         (text.parse().map(Number::Signed)).or_else(|_| text.parse().map(Number::Unsigned));
@@ -66,7 +66,7 @@ pub fn number_in(text: &str) -> Option<Number> {
         .ok()
 }
 
-/// An object: what is wanted of it goes to the slots, the rest is skipped without being built.
+/// Reads an object: what is wanted of it goes to the slots, the rest is skipped without being built.
 struct MessageSeed<'a> {
     fields: &'a [(String, JsonTree)],
     slots: &'a mut Slots,
@@ -109,7 +109,7 @@ impl<'de> Visitor<'de> for MessageSeed<'_> {
     }
 }
 
-/// A key: what is wanted of it, found without making a string of it.
+/// Reads a key and finds what is wanted of it, without making a string of it.
 struct KeySeed<'a> {
     fields: &'a [(String, JsonTree)],
 }
@@ -139,7 +139,7 @@ impl<'a> Visitor<'_> for KeySeed<'a> {
     }
 }
 
-/// Whatever a key leads to.
+/// Reads the value of a key, whatever it is.
 struct NodeSeed<'a> {
     node: &'a JsonTree,
     slots: &'a mut Slots,
@@ -169,7 +169,7 @@ impl<'de> DeserializeSeed<'de> for NodeSeed<'_> {
     }
 }
 
-/// A list: what is wanted of its elements goes to the slots.
+/// Reads a list: what is wanted of its elements goes to the slots.
 struct ElementsVisitor<'a> {
     elements: &'a [(usize, JsonTree)],
     slots: &'a mut Slots,
@@ -204,16 +204,16 @@ impl<'de> Visitor<'de> for ElementsVisitor<'_> {
     }
 }
 
-/// A number, a truth value, a list of numbers, a text, or `null` for a field that is missing.
+/// Reads a number, a boolean, a list of numbers, a string, or `null` for a missing field.
 struct LeafVisitor<'a> {
     words: Option<&'a [String]>,
-    /// Whether it is in a list already, which must not hold another one.
+    /// Whether the value is an element of a list, so that it cannot be a list itself.
     is_element: bool,
     slot: &'a mut FieldValue,
 }
 
 impl LeafVisitor<'_> {
-    /// Sets a number, which is none of the wanted words.
+    /// Stores a number. If words are wanted, it is none of them.
     fn set(self, number: impl Into<Number>) {
         match self.words {
             Some(words) => self.slot.set(words.len() as u64),

@@ -1,4 +1,4 @@
-//! The first messages of JSON channels, for what their schemas do not say.
+//! The first messages of JSON channels, which show what their schemas leave open.
 
 use std::{
     cell::OnceCell,
@@ -13,12 +13,12 @@ use crate::log::{Log, ReadError};
 /// The first messages of JSON channels.
 #[derive(Debug)]
 pub enum FirstMessages<'a> {
-    /// Of every one of a log, read from there when first asked for.
+    /// Those of all JSON channels of a log, read on first use.
     OfLog {
         log: &'a Log,
         messages: OnceCell<BTreeMap<u16, Vec<Value>>>,
     },
-    /// Of one channel, whichever is asked for.
+    /// Those of a single channel, returned whichever channel is asked for.
     Given(Vec<Value>),
 }
 
@@ -26,7 +26,7 @@ impl<'a> FirstMessages<'a> {
     /// How many messages of each channel are examined.
     pub const COUNT: usize = 10;
 
-    /// Whether it takes messages to know a channel's fields: whether they are JSON, whose schema may be empty.
+    /// Whether a channel's fields can only be known from its messages. This is so for JSON, whose schema may be empty.
     pub fn tell_the_fields_of(channel: &Channel) -> bool {
         channel.message_encoding == "json"
     }
@@ -38,12 +38,12 @@ impl<'a> FirstMessages<'a> {
         }
     }
 
-    /// Of the one channel that has these messages.
+    /// Wraps the first messages of a single channel.
     pub fn given(payloads: &[Vec<u8>]) -> Self {
         Self::Given(parse(payloads))
     }
 
-    /// The first messages of a channel, of those that are JSON.
+    /// The first messages of a channel, without those that are not valid JSON.
     ///
     /// # Errors
     /// The log cannot be read.

@@ -1,4 +1,4 @@
-//! What a JSON Schema and a channel's first messages say of its messages.
+//! What a JSON Schema and a channel's first messages say about its messages.
 
 use serde_json::{Map, Value};
 
@@ -14,7 +14,7 @@ use crate::decode::{
     tree::tree,
 };
 
-/// What is known of a channel's messages: what its JSON Schema lists, and what its first messages have.
+/// What is known about a channel's messages: what its JSON Schema lists, and what its first messages contain.
 #[derive(Debug)]
 pub struct JsonSchema<'a> {
     schema: Value,
@@ -23,7 +23,7 @@ pub struct JsonSchema<'a> {
 }
 
 impl<'a> JsonSchema<'a> {
-    /// Of a channel, whose JSON Schema may be empty.
+    /// Reads the JSON Schema of a channel, which may be empty.
     pub fn new(
         schema: &[u8],
         first_messages: &'a FirstMessages<'a>,
@@ -39,7 +39,8 @@ impl<'a> JsonSchema<'a> {
         })
     }
 
-    /// What a path leads to: as the JSON Schema says, and where that leaves it open, in one of the first messages.
+    /// The kind of field a path leads to: as the JSON Schema says or, if that leaves it open, as in one of the first
+    /// messages.
     pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         let described = resolve(self.root(), path)?.node;
         if described.kind() == FieldKind::Number {
@@ -51,7 +52,7 @@ impl<'a> JsonSchema<'a> {
             Some(value) => Ok(value.kind()),
             None if described.schema.is_some() => Ok(FieldKind::Unknown),
             None => Err(SchemaError::NoSuchField {
-                lacking: vec![path.clone()],
+                missing: vec![path.clone()],
                 place: Listing::FirstMessages,
                 available: (messages.iter().filter_map(Value::as_object))
                     .max_by_key(|fields| fields.len())
@@ -60,7 +61,7 @@ impl<'a> JsonSchema<'a> {
         }
     }
 
-    /// A decoder that puts the n-th wanted field into slot n.
+    /// Makes a decoder that puts the n-th wanted field into slot n.
     pub fn decoder(&self, wanted: &[Wanted]) -> Result<JsonDecoder, SchemaError> {
         let leaf = |_: &_, shape: &_, slot| Some(JsonLeaf::new(shape, slot));
         Ok(JsonDecoder::new(tree(&self.root(), wanted, leaf)?))
@@ -74,10 +75,10 @@ impl<'a> JsonSchema<'a> {
     }
 }
 
-/// What a JSON Schema says of a place.
+/// What a JSON Schema says about a place.
 #[derive(Debug, Clone, Copy)]
 struct JsonSchemaNode<'a> {
-    /// The schema of the place; `None` where the whole schema does not list it, so that anything may be there.
+    /// The schema of the place; `None` if the whole schema does not list it, so that anything may be there.
     schema: Option<&'a Value>,
     whole: &'a Value,
 }
@@ -89,12 +90,12 @@ impl Node for JsonSchemaNode<'_> {
         let named = self.schema.and_then(|schema| schema["type"].as_str());
         match named {
             Some("number" | "integer" | "boolean") => FieldKind::Number,
-            // Text may be a number too, so a message has to show it.
+            // A string may hold a number, so a message has to show it.
             _ => FieldKind::Unknown,
         }
     }
 
-    /// Those of the whole message, wherever in it the place is.
+    /// The fields of the whole message, wherever in it the place is.
     fn fields(&self) -> Option<(Listing, Vec<String>)> {
         Some((Listing::JsonSchema, names(properties(self.whole)?)))
     }

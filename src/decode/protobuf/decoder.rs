@@ -1,4 +1,4 @@
-//! Numbers and texts out of the bytes of protobuf messages.
+//! Reading numbers and text from protobuf messages.
 
 use prost::{
     bytes::Buf,
@@ -26,18 +26,18 @@ pub struct ProtobufLeaf {
     slot: usize,
     content: LeafContent,
     is_list: bool,
-    /// Whether a message can leave the field out, as opposed to having its default.
+    /// Whether the field can be absent, as opposed to having its default value.
     has_presence: bool,
 }
 
 #[derive(Debug)]
 enum LeafContent {
     Scalar(ProtobufScalar),
-    /// Text, wanted as its place among these words.
+    /// Text, wanted as its index among these words.
     Text(Vec<String>),
 }
 
-/// What a number is written as.
+/// How a number is encoded.
 #[derive(Debug, Clone, Copy)]
 enum ProtobufScalar {
     Double,
@@ -67,7 +67,7 @@ impl ProtobufDecoder {
 }
 
 impl ProtobufLeaf {
-    /// Of a field or an element of it; `None` where it does not have numbers and numbers are wanted.
+    /// Reads a field or an element of it; `None` if numbers are wanted and it does not contain numbers.
     pub fn new(field: &FieldDescriptor, shape: &Shape, slot: usize) -> Option<Self> {
         Some(Self {
             slot,
@@ -110,10 +110,10 @@ impl ProtobufLeaf {
         }
     }
 
-    /// Sets what the field has where a message does not mention it.
+    /// Sets the value that the field has if a message does not mention it.
     fn set_default(&self, slot: &mut FieldValue) {
         match &self.content {
-            // A message may come in parts, of which the later ones add to the earlier.
+            // A message may come in parts; later parts add to earlier ones.
             _ if slot.is_present() || self.has_presence => {}
             LeafContent::Scalar(_) if self.is_list => slot.set_empty_list(),
             LeafContent::Scalar(_) => slot.set(0.0),
@@ -166,7 +166,7 @@ impl ProtobufScalar {
             Self::Fixed64 => bytes.get_u64_le().into(),
             Self::Sfixed32 => i64::from(bytes.get_i32_le()).into(),
             Self::Sfixed64 => bytes.get_i64_le().into(),
-            // Negative 32-bit numbers are written as 64-bit ones.
+            // Negative 32-bit numbers are encoded as 64-bit ones.
             Self::Int32 => i64::from(decode_varint(bytes)? as i32).into(),
             Self::Int64 => (decode_varint(bytes)? as i64).into(),
             Self::Uint32 => u64::from(decode_varint(bytes)? as u32).into(),

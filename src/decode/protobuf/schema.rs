@@ -1,4 +1,4 @@
-//! What a protobuf schema says of a channel's messages.
+//! What a protobuf schema says about a channel's messages.
 
 use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
 
@@ -11,14 +11,14 @@ use crate::decode::{
     tree::tree,
 };
 
-/// A message type, with those that it is made of.
+/// A message type and the types that it is made of.
 #[derive(Debug)]
 pub struct ProtobufSchema {
     message: MessageDescriptor,
 }
 
 impl ProtobufSchema {
-    /// Of a serialised `FileDescriptorSet` and a message's full name.
+    /// Finds a message type by its full name in a serialised `FileDescriptorSet`.
     pub fn new(name: &str, descriptors: &[u8]) -> Result<Self, SchemaError> {
         let pool = DescriptorPool::decode(descriptors).map_err(SchemaError::ProtobufSchema)?;
         let message = pool.get_message_by_name(name);
@@ -35,7 +35,7 @@ impl ProtobufSchema {
         Ok(resolve(self.root(), path)?.node.kind())
     }
 
-    /// A decoder that puts the n-th wanted field into slot n.
+    /// Makes a decoder that puts the n-th wanted field into slot n.
     pub fn decoder(&self, wanted: &[Wanted]) -> Result<ProtobufDecoder, SchemaError> {
         let fields = tree(&self.root(), wanted, |node, shape, slot| match node {
             ProtobufNode::Message(_) => None,
@@ -62,7 +62,7 @@ enum ProtobufNode {
 }
 
 impl ProtobufNode {
-    /// The message that it is.
+    /// The message type, if this is a message.
     fn message(&self) -> Option<MessageDescriptor> {
         match self {
             Self::Message(message) => Some(message.clone()),

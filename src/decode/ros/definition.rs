@@ -8,7 +8,7 @@ use crate::decode::error::RosDefinitionError;
 /// A message type, as a text defines it.
 #[derive(Debug, Default)]
 pub struct MessageDefinition<'a> {
-    /// From its `MSG:` line. The type that the text is of need not have one.
+    /// The name in its `MSG:` line. The text's own type need not have one.
     pub name: Option<&'a str>,
     pub fields: Vec<FieldDefinition<'a>>,
 }
@@ -22,8 +22,8 @@ pub struct FieldDefinition<'a> {
     pub list: Option<Length>,
 }
 
-/// The definitions in a text, in its order: first that of the text's own type, then, each after a separator, those of
-/// the types that it refers to. What follows a separator without a name defines nothing.
+/// Parses the definitions in a text, in order: first that of the text's own type, then, each after a separator, those
+/// of the types that it refers to. A part without a name after a separator defines nothing.
 pub fn parse(text: &str) -> Result<Vec<MessageDefinition<'_>>, RosDefinitionError> {
     let mut definitions = Vec::new();
     let mut current = MessageDefinition::default();
@@ -48,7 +48,7 @@ fn is_separator(code: &str) -> bool {
     code.len() >= 3 && code.bytes().all(|byte| byte == b'=')
 }
 
-/// A field; `None` for a constant.
+/// Parses a field; `None` if it is a constant.
 fn parse_field(code: &str, line: usize) -> Result<Option<FieldDefinition<'_>>, RosDefinitionError> {
     let no_field = || RosDefinitionError::NoField {
         line,
@@ -82,7 +82,7 @@ fn parse_field(code: &str, line: usize) -> Result<Option<FieldDefinition<'_>>, R
     Ok(Some(FieldDefinition { name, base, list }))
 }
 
-/// What comes after an opening bracket. A bounded list is sent like one without a bound.
+/// Parses what comes after an opening bracket. A bounded list is sent like an unbounded one.
 fn parse_array_size(text: &str) -> Option<Length> {
     let size = text.strip_suffix(']')?;
     match size.strip_prefix("<=") {
@@ -92,7 +92,7 @@ fn parse_array_size(text: &str) -> Option<Length> {
     }
 }
 
-/// The type of a single value. A bounded string is sent like one without a bound.
+/// Parses the type of a single value. A bounded string is sent like an unbounded one.
 fn parse_base(text: &str) -> Option<&str> {
     if let Some((string @ ("string" | "wstring"), bound)) = text.split_once("<=") {
         return bound.parse::<usize>().ok().map(|_| string);

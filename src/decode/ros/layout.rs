@@ -1,37 +1,37 @@
-//! How many bytes values take, for stepping over them.
+//! How many bytes values take, for skipping them.
 
 use std::sync::Arc;
 
 /// The length of a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Length {
-    /// In its definition.
+    /// Given in the definition.
     Fixed(usize),
-    /// In every message, before the elements.
+    /// Sent in every message, before the elements.
     Sent,
 }
 
-/// How many bytes a value of fixed size takes, with the padding before it: by how far after a multiple of eight
-/// bytes it begins, since nothing is aligned to more.
+/// How many bytes a value of fixed size takes, including the padding before it, indexed by start offset
+/// modulo 8, because nothing is aligned to more than eight bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PaddedSize([usize; 8]);
 
 impl PaddedSize {
     const NOTHING: Self = Self([0; 8]);
 
-    /// A number.
+    /// The size of a number.
     pub fn of_number(size: usize, alignment: usize) -> Self {
         Self(std::array::from_fn(|at| {
             at.next_multiple_of(alignment) - at + size
         }))
     }
 
-    /// The size of a value that begins there.
+    /// The size of a value that starts at this offset.
     pub fn at(self, at: usize) -> usize {
         self.0[at % self.0.len()]
     }
 
-    /// A value and another after it. A size beyond all bounds stays beyond them.
+    /// The size of a value followed by another. Saturates on overflow.
     fn then(self, next: Self) -> Self {
         Self(std::array::from_fn(|at| {
             let size = self.0[at];
@@ -39,7 +39,7 @@ impl PaddedSize {
         }))
     }
 
-    /// That many of the same, one after the other, in as many steps as the count has bits.
+    /// The size of `count` such values in a row, computed in as many steps as the count has bits.
     pub fn repeat(self, count: usize) -> Self {
         let [size, ..] = self.0;
         if self == Self([size; 8]) {
@@ -57,7 +57,7 @@ impl PaddedSize {
     }
 }
 
-/// A stretch of a message that is stepped over.
+/// A stretch of a message to skip.
 #[derive(Debug, Clone)]
 pub enum Skip {
     /// Values of fixed size.
@@ -66,12 +66,12 @@ pub enum Skip {
     Elements { length: Length, element: Extent },
 }
 
-/// The steps that it takes to pass a value, as few as possible: for a value of fixed size one, or none if it takes no
-/// bytes. Types share them, so that they take no more memory than the definition, however types nest.
+/// The steps that it takes to skip a value, as few as possible: one for a value of fixed size, or none if it takes no
+/// bytes. Types share them, so that they take no more memory than the definition, however deeply types nest.
 pub type Extent = Arc<[Skip]>;
 
 impl Skip {
-    /// A list of fixed or varying length.
+    /// Skips a list of fixed or varying length.
     pub fn elements(length: Length, element: Extent) -> Self {
         match (length, &*element) {
             (Length::Fixed(0), _) | (Length::Fixed(_), []) => Self::Fixed(PaddedSize::NOTHING),
@@ -81,7 +81,7 @@ impl Skip {
         }
     }
 
-    /// Adds this to the end of others.
+    /// Appends this to others, merging it with a last one of fixed size if possible.
     pub fn append_to(self, skips: &mut Vec<Self>) {
         match (skips.last_mut(), self) {
             (Some(Self::Fixed(last)), Self::Fixed(size)) => *last = last.then(size),

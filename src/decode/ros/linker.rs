@@ -9,10 +9,10 @@ use super::{
 };
 use crate::decode::error::RosDefinitionError;
 
-/// How many messages may be within each other. Those of ROS's own packages are at most seven.
+/// Maximum nesting depth; ROS's own packages reach seven.
 const MAX_HEIGHT: usize = 64;
 
-/// What a text may refer to without defining it.
+/// What a definition may refer to without defining it.
 const BUILT_IN_ROS2: &str = "\
 MSG: builtin_interfaces/Time
 int32 sec
@@ -32,7 +32,7 @@ int32 sec
 int32 nsec
 ";
 
-/// The message type of that name, from the text of its definition.
+/// Links the message type with this name from the text of its definition.
 pub fn link(
     dialect: Dialect,
     name: &str,
@@ -47,8 +47,8 @@ pub fn link(
     let named = named.filter_map(|definition| Some((definition.name?, definition)));
     let own = written.first().filter(|own| own.name.is_none());
     let mut definitions: HashMap<String, &[FieldDefinition]> = HashMap::new();
-    // Of several with one name the first counts. The text's own type comes last: some texts define it by name too,
-    // and begin with nothing.
+    // If a name is defined twice, the first wins. The text's own type comes last: some texts define it by name too, and
+    // begin with nothing.
     for (name, definition) in named.chain(own.map(|own| (name, own))) {
         let definition = definition.fields.as_slice();
         definitions.entry(full_name(name)).or_insert(definition);
@@ -61,7 +61,7 @@ pub fn link(
     linker.message(&full_name(name), 1)
 }
 
-/// `pkg/msg/Type` is `pkg/Type`.
+/// Shortens `pkg/msg/Type` to `pkg/Type`.
 fn full_name(name: &str) -> String {
     match (name.split_once('/'), name.rsplit_once('/')) {
         (Some((package, _)), Some((_, message))) => format!("{package}/{message}"),
@@ -72,12 +72,12 @@ fn full_name(name: &str) -> String {
 struct Linker<'a> {
     dialect: Dialect,
     definitions: HashMap<String, &'a [FieldDefinition<'a>]>,
-    /// Those that were linked; `None` while what they refer to is being linked.
+    /// The messages linked so far; `None` while what one refers to is being linked.
     messages: HashMap<String, Option<Arc<RosMessage>>>,
 }
 
 impl Linker<'_> {
-    /// A message that is within `depth` - 1 others.
+    /// Links a message that is nested in `depth` - 1 others.
     fn message(&mut self, name: &str, depth: usize) -> Result<Arc<RosMessage>, RosDefinitionError> {
         let owned = || name.to_owned();
         match self.messages.get(name) {
@@ -103,7 +103,7 @@ impl Linker<'_> {
             fields.push(padding());
         }
         let message = Arc::new(RosMessage::new(owned(), fields, self.dialect));
-        // The depth does not count what is in messages that were linked before.
+        // The depth does not count the nesting within messages that were linked before.
         if message.height > MAX_HEIGHT {
             return Err(too_deep());
         }
@@ -111,7 +111,7 @@ impl Linker<'_> {
         Ok(message)
     }
 
-    /// A field of a message of that name, which is within `depth` - 1 others.
+    /// Links a field of the message with this name, which is nested in `depth` - 1 others.
     fn field(
         &mut self,
         field: &FieldDefinition,
@@ -141,7 +141,7 @@ impl Linker<'_> {
         }
         match within.split_once('/') {
             _ if self.definitions.contains_key(reference) => reference.to_owned(),
-            // <https://wiki.ros.org/msg>: "Header" is short for it in any package.
+            // <https://wiki.ros.org/msg>: "Header" is short for `std_msgs/Header` in any package.
             _ if reference == "Header" && self.dialect == Dialect::Ros1 => {
                 "std_msgs/Header".to_owned()
             }
@@ -159,7 +159,7 @@ fn padding() -> RosField {
     }
 }
 
-/// The type of that name, if it is not a message.
+/// The type with this name, if it is not a message.
 fn built_in(name: &str, dialect: Dialect) -> Option<RosElement> {
     Some(RosElement::Number(match (name, dialect) {
         ("string", _) => return Some(RosElement::Text),

@@ -1,4 +1,4 @@
-//! Message types, with all that they are made of.
+//! Message types and what they are made of.
 
 use std::sync::Arc;
 
@@ -11,13 +11,13 @@ use crate::decode::{error::Listing, field::FieldKind, resolve::Node};
 /// A message type.
 #[derive(Debug)]
 pub struct RosMessage {
-    /// As definitions refer to it: `pkg/Type`.
+    /// The name by which definitions refer to it: `pkg/Type`.
     pub name: String,
-    /// In the order in which they are sent.
+    /// Its fields, in the order in which they are sent.
     pub fields: Vec<RosField>,
-    /// How to step over one; `None` where it has a wide text.
+    /// How to skip one; `None` if it contains a wide string.
     pub extent: Option<Extent>,
-    /// How many messages there are within each other, this one included.
+    /// How many messages are nested within each other, including this one.
     pub height: usize,
 }
 
@@ -39,9 +39,8 @@ pub struct RosType {
 pub enum RosElement {
     Number(RosScalar),
     Text,
-    /// ROS 2's `wstring`. The standard and each implementation differ in what they send of it, two or four bytes a
-    /// character (<https://github.com/ros2/rmw_cyclonedds/issues/43>), so neither it nor what comes after it can be
-    /// read.
+    /// ROS 2's `wstring`. The standard and the implementations disagree on whether a character is sent as two or four
+    /// bytes (<https://github.com/ros2/rmw_cyclonedds/issues/43>), so neither it nor what comes after it can be read.
     WideText,
     Message(Arc<RosMessage>),
 }
@@ -82,7 +81,7 @@ impl From<RosElement> for RosType {
 }
 
 impl RosType {
-    /// The message that it is.
+    /// The message type, if this is a single message.
     fn message(&self) -> Option<&RosMessage> {
         match (&self.element, self.list) {
             (RosElement::Message(message), None) => Some(message),
@@ -90,7 +89,7 @@ impl RosType {
         }
     }
 
-    /// How to step over a value; `None` where it may have a wide text.
+    /// How to skip a value; `None` if it may contain a wide string.
     pub fn skip(&self, dialect: Dialect) -> Option<Skip> {
         let length = self.list.unwrap_or(Length::Fixed(1));
         Some(Skip::elements(length, self.element.extent(dialect)?))

@@ -1,4 +1,4 @@
-//! The wanted fields of a message type → a program that reads them out of a message's bytes.
+//! The wanted fields of a message type → a program that reads them from a message's bytes.
 
 use super::{
     layout::{Extent, Length, Skip},
@@ -12,10 +12,10 @@ use crate::decode::{
     value::{FieldValue, Undecodable},
 };
 
-/// Wanted fields by their places in messages, each with what reads it.
+/// Wanted fields by their indexes in messages, each with the operation that reads it.
 type Fields = FieldTree<usize, Op>;
 
-/// What to do, in that order.
+/// Operations, in the order in which they are done.
 #[derive(Debug)]
 pub struct Program(Vec<Op>);
 
@@ -35,17 +35,17 @@ pub enum Op {
         words: Vec<String>,
         slot: usize,
     },
-    /// A list of which some elements are wanted.
+    /// A list from which some elements are wanted.
     Elements {
         length: Length,
         element: Extent,
-        /// By their places, in that order.
+        /// Programs for the wanted elements, by index in ascending order.
         wanted: Vec<(usize, Program)>,
     },
 }
 
 impl Op {
-    /// Reads a field into a slot; `None` where the field does not have this shape.
+    /// Makes the operation that reads a field into a slot; `None` if the field does not have this shape.
     pub fn read(field: &RosType, shape: &Shape, slot: usize) -> Option<Self> {
         match (shape, &field.element, field.list) {
             (Shape::Number, &RosElement::Number(scalar), None) => {
@@ -66,11 +66,11 @@ impl Op {
 }
 
 impl Program {
-    /// Reads these fields of a message, all of them resolved against its type.
+    /// Makes a program that reads these fields, all of which were resolved against the message type.
     pub fn new(message: &RosType, wanted: Fields, dialect: Dialect) -> Result<Self, SchemaError> {
         let mut compiler = Compiler::new(dialect);
         compiler.value(message, wanted)?;
-        // What is left to pass comes after the last of them.
+        // Whatever is left to skip comes after the last of them.
         Ok(Self(compiler.ops))
     }
 
@@ -110,13 +110,13 @@ impl Program {
     }
 }
 
-/// A program in the making.
+/// A program under construction.
 struct Compiler {
     dialect: Dialect,
     ops: Vec<Op>,
-    /// What is between the last of these and the field that is looked at.
+    /// What lies between the last of these operations and the current field.
     to_pass: Vec<Skip>,
-    /// A field there that cannot be passed.
+    /// A field in between that cannot be skipped.
     barrier: Option<String>,
 }
 
@@ -165,14 +165,14 @@ impl Compiler {
         let program = |(place, wanted)| {
             let mut compiler = Self::new(self.dialect);
             compiler.value(&value, wanted)?;
-            // The next element comes after it.
+            // Skip the rest of this element, because the next one comes after it.
             compiler.pass()?;
             Ok::<_, SchemaError>((place, Program(compiler.ops)))
         };
         let wanted = wanted.into_iter().map(program).collect::<Result<_, _>>()?;
         Ok(Op::Elements {
             length,
-            // Without a text of wide characters: that would have been a barrier.
+            // There is no wide string in it: that would have been a barrier.
             element: element.extent(self.dialect).unwrap_or_default(),
             wanted,
         })
@@ -187,7 +187,7 @@ impl Compiler {
         }
     }
 
-    /// Over to the field that is looked at.
+    /// Skips to the current field.
     fn pass(&mut self) -> Result<(), SchemaError> {
         match self.barrier.take() {
             Some(field) => Err(SchemaError::AfterWideText { field }),

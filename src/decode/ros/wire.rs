@@ -8,7 +8,7 @@
 use super::layout::{Length, PaddedSize, Skip};
 use crate::decode::value::{Number, Undecodable};
 
-/// Which ROS the messages are of.
+/// The version of ROS whose encoding the messages use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dialect {
     Ros1,
@@ -16,13 +16,13 @@ pub enum Dialect {
 }
 
 impl Dialect {
-    /// Of a number of that many bytes.
+    /// The padded size of a number of this many bytes.
     pub fn padded_size(self, size: usize) -> PaddedSize {
         PaddedSize::of_number(size, if self == Self::Ros2 { size } else { 1 })
     }
 }
 
-/// What a number is written as.
+/// How a number is encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RosScalar {
     Bool,
@@ -39,7 +39,7 @@ pub enum RosScalar {
 }
 
 impl RosScalar {
-    /// In bytes.
+    /// The size in bytes.
     pub fn size(self) -> usize {
         match self {
             Self::Bool | Self::Int8 | Self::Uint8 => 1,
@@ -50,18 +50,18 @@ impl RosScalar {
     }
 }
 
-/// A place in a message.
+/// A position in a message.
 #[derive(Debug)]
 pub struct Cursor<'a> {
     dialect: Dialect,
     big_endian: bool,
-    /// From where alignment counts.
+    /// The message after its header, if it has one. Alignment is counted from here.
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Cursor<'a> {
-    /// At the first value of a message.
+    /// Starts at the first value of a message.
     pub fn new(dialect: Dialect, message: &'a [u8]) -> Result<Self, Undecodable> {
         let (big_endian, bytes) = match (dialect, message) {
             (Dialect::Ros1, bytes) => (false, bytes),
@@ -95,7 +95,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// A text, without the NUL that ends it in CDR.
+    /// Reads a string, without the NUL that ends it in CDR.
     pub fn text(&mut self) -> Result<&'a [u8], Undecodable> {
         let length = self.length(Length::Sent)?;
         let start = self.at;
@@ -107,7 +107,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// How many elements a list has, read where it is sent.
+    /// Returns the number of elements of a list, which is read if it is sent.
     pub fn length(&mut self, length: Length) -> Result<usize, Undecodable> {
         Ok(match length {
             Length::Fixed(length) => length,
@@ -132,7 +132,7 @@ impl<'a> Cursor<'a> {
         match element {
             [] => Ok(()),
             [Skip::Fixed(size)] => self.advance(size.repeat(count).at(self.at)),
-            // Each holds a length of four bytes at least, so however many are claimed, the bytes end the loop.
+            // Each takes at least the four bytes of a length, so however many are claimed, the bytes end the loop.
             varying => (0..count).try_for_each(|_| self.skip(varying)),
         }
     }
@@ -144,7 +144,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// A number's bytes, the lowest first.
+    /// Reads a number's bytes, least significant first.
     fn take<const N: usize>(&mut self) -> Result<[u8; N], Undecodable> {
         let start = match self.dialect {
             Dialect::Ros1 => self.at,
@@ -160,8 +160,8 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// What a representation identifier says (DDS-XTypes 1.3, section 7.6.2.1.2; those from 0x10 are of section
-/// 7.4.3.4).
+/// Whether a representation identifier means big-endian (DDS-XTypes 1.3, section 7.6.2.1.2; identifiers from 0x10 on
+/// are from section 7.4.3.4).
 fn is_big_endian(identifier: u16) -> Result<bool, Undecodable> {
     match identifier {
         0x00 => Ok(true),

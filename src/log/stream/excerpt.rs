@@ -21,14 +21,14 @@ use crate::log::{
 pub struct Excerpt<F> {
     select: F,
     file: BufWriter<File>,
-    /// Those of the current record.
+    /// The selected messages of the current record.
     messages: Vec<u8>,
     /// The number of bytes of each of the log's segments.
     lengths: Vec<u64>,
 }
 
 impl<F: FnMut(Passing) -> bool> Excerpt<F> {
-    /// For the messages that `select` selects.
+    /// Collects the messages that `select` selects.
     pub fn new(select: F) -> Result<Self, ReadError> {
         Ok(Self {
             select,
@@ -60,7 +60,7 @@ impl<F: FnMut(Passing) -> bool> Excerpt<F> {
         }
     }
 
-    /// Writes the messages that were taken, which are in the last of that many segments.
+    /// Writes the messages that were taken, which are in the last of `segments` segments.
     pub fn write_to(&mut self, segments: usize) -> Result<(), ReadError> {
         self.lengths.resize(segments, 0);
         if let Some(length) = self.lengths.last_mut() {
@@ -71,7 +71,7 @@ impl<F: FnMut(Passing) -> bool> Excerpt<F> {
         Ok(())
     }
 
-    /// The messages as a log of their own.
+    /// Returns the messages as a log of their own.
     pub fn finish(self, name: &Path, original: &Log) -> Result<Log, ReadError> {
         let file = self.file.into_inner();
         let file = file.map_err(|error| temporary(error.into_error()))?;

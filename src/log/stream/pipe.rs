@@ -17,13 +17,13 @@ use crate::log::{
     scan::{Bodies, Frame},
 };
 
-/// A longer record is spooled to a file while it comes, not held in memory.
+/// A record longer than this is spooled to a file as it arrives, not held in memory.
 const LONG: u64 = 16 * 1024 * 1024;
 
 /// How much of a long record is held in memory at once.
 const PIECE: u64 = 1024 * 1024;
 
-/// As much as a pipe of the system buffers.
+/// As much as the system buffers for a pipe.
 const BUFFER: usize = 64 * 1024;
 
 /// A log between its input and its output.
@@ -32,7 +32,7 @@ pub struct Pipe<'a, R: Read, W: Write> {
     output: Named<'a, BufWriter<W>>,
     /// Where the current record starts; everything before it has been passed on.
     position: u64,
-    /// What has come of the current record; of a long one only the frame.
+    /// What has arrived of the current record; only the frame if the record is long.
     record: Vec<u8>,
     /// The chunk that message indexes may still follow, and its record unless that is long.
     chunk: Option<Frame>,
@@ -53,7 +53,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         })
     }
 
-    /// Where the current record starts, or the next one will.
+    /// Where the current record starts or, between records, the next one will.
     pub fn position(&self) -> u64 {
         self.position
     }
@@ -89,7 +89,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }))
     }
 
-    /// Reads the rest of the current record. Returns whether all of it came.
+    /// Reads the rest of the current record. Returns whether all of it arrived.
     pub fn read_body(&mut self, frame: &Frame) -> Result<bool, ReadError> {
         if !is_long(frame) {
             return self.read(frame.length);
@@ -155,7 +155,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }
     }
 
-    /// Holds back what has come of the current record, and everything after it. Returns everything that was kept.
+    /// Holds back what has arrived of the current record, and everything after it. Returns everything that was kept.
     pub fn hold_back_the_rest(mut self) -> Result<LogFile, ReadError> {
         flush(&mut self.output)?;
         self.spool.write(self.position, &self.record)?;
@@ -166,12 +166,12 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         self.spool.finish(self.input.name, self.position)
     }
 
-    /// Reads that many bytes more of the current record. Returns whether they came.
+    /// Reads `length` more bytes of the current record. Returns whether they arrived.
     fn read(&mut self, length: u64) -> Result<bool, ReadError> {
         read_up_to(&mut self.input, &mut self.output, &mut self.record, length)
     }
 
-    /// Keeps at most that many bytes of the input, which are at `offset`. Returns how many came.
+    /// Keeps at most `most` bytes of the input, which are at `offset`. Returns how many arrived.
     fn hold_back(&mut self, offset: u64, most: u64) -> Result<u64, ReadError> {
         let mut held_back = 0;
         let mut piece = Vec::new();
@@ -187,7 +187,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }
     }
 
-    /// Passes on what is in memory of the current record.
+    /// Passes on the part of the current record that is in memory.
     fn pass_record(&mut self) -> Result<(), ReadError> {
         let record = std::mem::take(&mut self.record);
         let passed = self.pass(&record);
@@ -232,7 +232,7 @@ impl Bodies for Body<'_> {
     }
 }
 
-/// Reads that many bytes more. Returns whether they came. Before it waits for the input, it flushes the output.
+/// Reads `length` more bytes. Returns whether they arrived. Before it waits for the input, it flushes the output.
 fn read_up_to(
     input: &mut Named<BufReader<impl Read>>,
     output: &mut Named<BufWriter<impl Write>>,

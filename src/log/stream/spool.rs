@@ -1,4 +1,4 @@
-//! The bytes of a log that is passed on that may be needed again.
+//! Those bytes of a passed-on log that may be needed again.
 
 use std::{
     fs::File,

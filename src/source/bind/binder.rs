@@ -15,7 +15,7 @@ use crate::{
     },
 };
 
-/// The members of a message that is a vector.
+/// The fields of a message that is a vector.
 const XYZ: [&str; 3] = ["x", "y", "z"];
 
 /// Resolves fields against the schema of one channel, and collects them for its decoder.
@@ -24,34 +24,34 @@ pub struct Binder<'a> {
     schema: &'a MessageSchema<'a>,
     /// The fields that were resolved, in the order of their slots.
     pub wanted: Vec<Wanted>,
-    /// The fields that the schema lacks. They are reported all at once.
-    lacking: Option<SchemaError>,
+    /// The fields that are missing in the schema. They are reported all at once.
+    missing: Option<SchemaError>,
 }
 
 impl<'a> Binder<'a> {
-    /// With nothing resolved yet.
+    /// Starts with nothing resolved.
     pub fn new(schema: &'a MessageSchema<'a>) -> Self {
         Self {
             schema,
             wanted: Vec::new(),
-            lacking: None,
+            missing: None,
         }
     }
 
-    /// Does what `resolve` does, all or nothing: where the schema lacks fields or something else is wrong,
+    /// Does what `resolve` does, all or nothing: if fields are missing in the schema or something else is wrong,
     /// nothing stays wanted.
     ///
     /// # Errors
-    /// The errors of `resolve`, or all the fields that are lacking.
+    /// The errors of `resolve`, or all the fields that are missing.
     pub fn attempt<T>(
         &mut self,
         resolve: impl FnOnce(&mut Self) -> Result<T, BindError>,
     ) -> Result<T, BindError> {
         let already_wanted = self.wanted.len();
         let resolved = resolve(self);
-        let lacking = self.lacking.take();
-        let resolved = resolved.and_then(|resolved| match lacking {
-            Some(lacking) => Err(lacking.into()),
+        let missing = self.missing.take();
+        let resolved = resolved.and_then(|resolved| match missing {
+            Some(missing) => Err(missing.into()),
             None => Ok(resolved),
         });
         if resolved.is_err() {
@@ -144,7 +144,7 @@ impl<'a> Binder<'a> {
         Ok(Quaternion { fields, order })
     }
 
-    /// Resolves a vector or a quaternion, the members of a message by these names.
+    /// Resolves a vector or a quaternion; if it is a message, its members have these names.
     fn components<const N: usize>(
         &mut self,
         components: &Components<N>,
@@ -249,12 +249,12 @@ impl<'a> Binder<'a> {
         Ok(SampleTime::Field(TimeSlots::Number { slot, unit }))
     }
 
-    /// What a path leads to; `None`, and noted, where the schema lacks it.
+    /// What a path leads to; `None`, and noted, if the schema does not have it.
     fn kind_of(&mut self, path: &FieldPath) -> Result<Option<FieldKind>, BindError> {
         match self.schema.kind_of(path) {
             Ok(kind) => Ok(Some(kind)),
             Err(error @ SchemaError::NoSuchField { .. }) => {
-                self.lacking = Some(match self.lacking.take() {
+                self.missing = Some(match self.missing.take() {
                     Some(first) => first.and(Some(error)),
                     None => error,
                 });
@@ -264,7 +264,7 @@ impl<'a> Binder<'a> {
         }
     }
 
-    /// The slot of a field, which is the same for all who want the field in one shape.
+    /// The slot of a field, which is shared by all who want the field in the same form.
     fn slot(&mut self, path: &FieldPath, shape: Shape) -> Slot {
         let path = path.clone();
         let field = Wanted { path, shape };
@@ -275,7 +275,7 @@ impl<'a> Binder<'a> {
         })
     }
 
-    /// The slot of a text, and the place of a word among those that it is compared with.
+    /// The slot of a text, and the index of a word among those that it is compared with.
     fn word(&mut self, path: &FieldPath, word: &str) -> (Slot, usize) {
         let of_path = |field: &Wanted| field.path == *path && matches!(field.shape, Shape::Word(_));
         let slot = match self.wanted.iter().position(of_path) {

@@ -19,7 +19,7 @@ pub enum BindError {
 }
 
 impl BindError {
-    /// Both, where what is wrong is that fields are lacking; else this one.
+    /// Returns one error for all missing fields if both report missing fields; otherwise this one.
     pub fn and(self, other: Option<Self>) -> Self {
         match (self, other) {
             (Self::Schema(this), Some(Self::Schema(other))) => Self::Schema(this.and(Some(other))),
@@ -27,11 +27,10 @@ impl BindError {
         }
     }
 
-    /// How many fields are lacking, one that is not as wanted among them; where nothing is known of the fields,
-    /// more than can be.
-    pub fn lacks(&self) -> usize {
+    /// How many fields are missing, of the wrong type or without a unit; `usize::MAX` if unknown.
+    pub fn missing_fields(&self) -> usize {
         match self {
-            Self::Schema(error) => error.lacks(),
+            Self::Schema(error) => error.missing_fields(),
             Self::OtherType { .. } => usize::MAX,
             Self::NoUnit { .. } => 1,
         }
@@ -47,10 +46,10 @@ impl BindError {
         matches!(self, Self::Schema(SchemaError::Unreadable(_)))
     }
 
-    /// This, if the log could be read.
+    /// Returns this error, unless it is that the log could not be read.
     ///
     /// # Errors
-    /// It could not.
+    /// The log could not be read.
     pub fn unless_of_reading(self) -> Result<Self, ReadError> {
         match self {
             Self::Schema(SchemaError::Unreadable(error)) => Err(error),

@@ -11,27 +11,27 @@ use crate::decode::path::FieldPath;
 /// One field that is a list of numbers or a message with `x`, `y`, `z` (and `w`), or a field for each component.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Components<const N: usize, F = FieldPath> {
-    /// All in one.
+    /// All components in one field.
     Together(F),
-    /// Each by itself.
+    /// A field for each component.
     Each([F; N]),
 }
 
-/// A number of fields that components do not have.
+/// A number of fields that does not fit the number of components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{given} fields were given; expected one or {wanted}")]
 pub struct WrongCount {
-    /// How many there are.
+    /// How many fields were given.
     pub given: usize,
     /// How many components there are.
     pub wanted: usize,
 }
 
 impl<const N: usize, F> Components<N, F> {
-    /// Of one field, or of as many as there are components.
+    /// Takes one field, or as many as there are components.
     ///
     /// # Errors
-    /// There are more or fewer.
+    /// There is neither one field nor one for each component.
     pub fn of(fields: Vec<F>) -> Result<Self, WrongCount> {
         match <[F; 1]>::try_from(fields) {
             Ok([field]) => Ok(Self::Together(field)),

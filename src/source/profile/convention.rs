@@ -111,7 +111,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// The nanoseconds in one.
+    /// The number of nanoseconds in one unit.
     pub fn nanoseconds(self) -> u64 {
         match self {
             Self::Seconds => 1_000_000_000,
@@ -134,7 +134,7 @@ pub enum QuaternionOrder {
 }
 
 impl QuaternionOrder {
-    /// The quaternion of numbers in this order.
+    /// Makes a quaternion from numbers in this order.
     pub fn quaternion(self, numbers: [f64; 4]) -> Quaternion<f64> {
         let [a, b, c, d] = numbers;
         match self {
@@ -144,19 +144,19 @@ impl QuaternionOrder {
     }
 }
 
-/// Between which frames an attitude turns.
+/// The frames between which an attitude turns.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
-    /// From front, right, down to north, east, down: aerospace, MAVLink, PX4.
+    /// Turns front, right, down into north, east, down: aerospace, MAVLink, PX4.
     #[default]
     FrdNed,
-    /// From front, left, up to east, north, up: ROS (REP 103, <https://www.ros.org/reps/rep-0103.html>).
+    /// Turns front, left, up into east, north, up: ROS (REP 103, <https://www.ros.org/reps/rep-0103.html>).
     FluEnu,
 }
 
 impl Convention {
-    /// The attitude `q_ned_frd` of one in this convention.
+    /// Converts an attitude in this convention to `q_ned_frd`.
     pub fn attitude(self, q: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         match self {
             Self::FrdNed => q,
@@ -164,7 +164,7 @@ impl Convention {
         }
     }
 
-    /// A gimbal's orientation with its z axes down, of one in this convention.
+    /// Converts a gimbal's orientation in this convention to one with z axes down.
     pub fn gimbal(self, q: UnitQuaternion<f64>, reference: GimbalReference) -> UnitQuaternion<f64> {
         match (self, reference) {
             (Self::FluEnu, GimbalReference::Heading | GimbalReference::Airframe) => {
@@ -201,7 +201,7 @@ pub enum VelocityFrame {
 }
 
 impl VelocityFrame {
-    /// A velocity in m/s in these axes.
+    /// Converts a velocity in m/s from these axes.
     pub fn velocity(self, [x, y, z]: [f64; 3]) -> Velocity {
         match self {
             Self::Ned => Velocity::Ned(Vector3::new(x, y, z)),
@@ -223,7 +223,7 @@ pub enum PositionFrame {
 }
 
 impl PositionFrame {
-    /// A place in metres in these axes, to north, east and down.
+    /// Converts a position in metres from these axes to north, east and down.
     pub fn ned(self, [x, y, z]: [f64; 3]) -> Vector3<f64> {
         match self {
             Self::Ned => Vector3::new(x, y, z),
@@ -232,7 +232,7 @@ impl PositionFrame {
     }
 }
 
-/// Which way an angle over the horizon is positive.
+/// Which way an angle relative to the horizon is positive.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PositiveDirection {
@@ -244,7 +244,7 @@ pub enum PositiveDirection {
 }
 
 impl PositiveDirection {
-    /// The angle, positive up.
+    /// Returns the angle, positive up.
     pub fn up(self, angle: f64) -> f64 {
         match self {
             Self::Up => angle,

@@ -4,10 +4,10 @@ use std::{io, path::PathBuf};
 
 use crate::{decode::path::NotAPath, sample::Kind, source::pattern::VEHICLE};
 
-/// Why there is no profile of a name.
+/// Why a profile cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-// What each variant and field is, its message says.
+// Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum ProfileError {
     #[error(
@@ -100,7 +100,7 @@ pub enum BadRole {
     PitchWithConvention,
 }
 
-/// What is wrong with a value, and in which key.
+/// Says what is wrong with a value, and in which key.
 pub(super) fn in_one_line(error: &toml::de::Error) -> String {
     let text = error.to_string();
     let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();

@@ -1,4 +1,4 @@
-//! What the samples of each role are made of: its fields, and the conventions that they are in.
+//! What the samples of each role are made of: fields, and the conventions that they are in.
 //!
 //! `F` stands for a field: its path in a profile, its slot in a decoder.
 
@@ -22,13 +22,13 @@ use crate::{
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum RoleFields<F = FieldPath> {
-    /// Of the drone's attitude.
+    /// Fields of the drone's attitude.
     Attitude(AttitudeFields<F>),
-    /// Of the drone's velocity over ground.
+    /// Fields of the drone's velocity over ground.
     Velocity(VelocityFields<F>),
-    /// Of the angles of a gimbal.
+    /// Fields of the angles of a gimbal.
     Gimbal(GimbalFields<F>),
-    /// Of the drone's position.
+    /// Fields of the drone's position.
     Position(Coordinates<F>),
 }
 
@@ -38,7 +38,7 @@ pub enum RoleFields<F = FieldPath> {
 pub struct AttitudeFields<F = FieldPath> {
     /// How the drone is turned; not a [`Pitch`] alone.
     pub orientation: Orientation<F>,
-    /// Between which frames the orientation turns.
+    /// The frames between which the orientation turns.
     #[serde(default)]
     pub convention: Convention,
     /// A count of the estimator's jumps.
@@ -65,12 +65,12 @@ pub struct VelocityFields<F = FieldPath> {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(bound(deserialize = "F: DeserializeOwned"))]
 pub struct GimbalFields<F = FieldPath> {
-    /// How it holds the camera.
+    /// How the gimbal holds the camera.
     pub orientation: Orientation<F>,
     /// What the angles are measured from.
     pub reference: GimbalReference,
-    /// Between which frames the orientation turns: [`Convention::FluEnu`] if camera and reference have their z
-    /// axes up.
+    /// The frames between which the orientation turns: [`Convention::FluEnu`] if camera and reference have their z axes
+    /// up.
     #[serde(default)]
     pub convention: Convention,
 }
@@ -83,23 +83,23 @@ pub struct GimbalFields<F = FieldPath> {
     bound(deserialize = "F: DeserializeOwned")
 )]
 pub enum Coordinates<F = FieldPath> {
-    /// On the globe.
+    /// A position on the globe.
     Geodetic {
-        /// North of the equator.
+        /// The latitude, north of the equator.
         latitude: F,
-        /// East of Greenwich.
+        /// The longitude, east of Greenwich.
         longitude: F,
-        /// Above whatever the log takes for zero.
+        /// The altitude, above whatever the log takes for zero.
         altitude: F,
-        /// Of latitude and longitude.
+        /// The unit of latitude and longitude.
         unit: AngleUnit,
-        /// Of the altitude.
+        /// The unit of the altitude.
         #[serde(default)]
         altitude_unit: LengthUnit,
     },
-    /// From an origin of the log's own.
+    /// A position relative to an origin of the log's own.
     Local {
-        /// The place.
+        /// The position.
         vector: Components<3, F>,
         /// Its axes.
         frame: PositionFrame,
@@ -131,7 +131,7 @@ pub enum Orientation<F = FieldPath> {
 pub struct Quaternion<F = FieldPath> {
     /// The fields.
     pub fields: Components<4, F>,
-    /// The order of a list, or of the fields. A message's are known by their names.
+    /// The order of a list, or of the fields. The members of a message are identified by their names.
     pub order: QuaternionOrder,
 }
 
@@ -139,13 +139,13 @@ pub struct Quaternion<F = FieldPath> {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Euler<F = FieldPath> {
-    /// About the front axis.
+    /// The angle about the front axis.
     pub roll: F,
-    /// About the side axis.
+    /// The angle about the side axis.
     pub pitch: F,
-    /// About the vertical axis.
+    /// The angle about the vertical axis.
     pub yaw: F,
-    /// Of all three.
+    /// The unit of all three.
     pub unit: AngleUnit,
 }
 
@@ -187,7 +187,7 @@ impl<F> RoleFields<F> {
         }
     }
 
-    /// The fields that a sample cannot do without.
+    /// The fields without which there is no sample.
     pub fn fields(&self) -> Vec<&F> {
         match self {
             Self::Attitude(attitude) => attitude.orientation.fields(),
@@ -226,9 +226,9 @@ impl<F> RoleFields<F> {
 }
 
 impl RoleFields {
-    /// Reads those of a role from its table in a profile, which has other keys too.
+    /// Reads a role's fields from its table in a profile, which has other keys too.
     pub(super) fn read(kind: Kind, role: Value) -> Result<Self, toml::de::Error> {
-        /// The key of these has to be found among the others.
+        /// The key of these fields has to be found among the others.
         #[derive(Deserialize)]
         struct InRole {
             #[serde(flatten)]

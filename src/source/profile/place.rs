@@ -10,24 +10,24 @@ use crate::decode::path::FieldPath;
 #[serde(default)]
 pub struct Place {
     /// Topics in order of preference; `{n}` in one stands for any number, the largest first, `{vehicle}` for a
-    /// vehicle's number, which with all that comes before it is the vehicle's namespace. Empty: for an
-    /// attitude any one topic whose messages have all of the fields, else the attitude's own messages.
+    /// vehicle's number, which with all that comes before it is the vehicle's namespace. If empty: for an attitude, any
+    /// one topic whose messages have all of the fields; otherwise the attitude's own messages.
     pub topics: Vec<String>,
-    /// The names of message types, of which a channel must have one. Empty: any. A `/msg/` within makes no
+    /// The names of message types, of which a channel must have one; any, if empty. A `/msg/` within makes no
     /// difference.
     pub schemas: Vec<String>,
-    /// What must hold for a message to be read this way. One for which no alternative holds is dropped.
+    /// What must hold for a message to be read this way. A message for which no alternative holds is dropped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub when: Option<Condition>,
     /// Fields of which each must be true (not 0) for a sample to be valid.
     pub valid: Vec<FieldPath>,
-    /// What the time of a sample is, where it is not the profile's.
+    /// What the time of a sample is, if it is not the profile's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<SampleTime>,
 }
 
 impl Place {
-    /// The messages on one topic.
+    /// Reads the messages on one topic.
     pub fn on(topic: impl Into<String>) -> Self {
         Self {
             topics: vec![topic.into()],
@@ -35,7 +35,7 @@ impl Place {
         }
     }
 
-    /// Whether messages of a type are meant.
+    /// Whether messages of this type are meant.
     pub(in crate::source) fn is_for(&self, schema_name: &str) -> bool {
         let plain = |name: &str| name.replace("/msg/", "/");
         let mut schemas = self.schemas.iter();
@@ -86,7 +86,7 @@ pub enum SampleTime<F = TimeField> {
 pub struct TimeField {
     /// The field.
     pub path: FieldPath,
-    /// Of a number, which needs one.
+    /// The unit of a number, which needs one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<TimeUnit>,
 }

@@ -1,4 +1,4 @@
-//! Profiles as text: what serde does not do by itself.
+//! Profiles as TOML: what serde does not do by itself.
 
 use toml::{Table, Value};
 
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{decode::path::MessagePath, sample::Kind, source::pattern::VEHICLE};
 
-/// The keys of a role below which paths are found.
+/// The keys of a role below which there are paths.
 const WITH_PATHS: [&str; 8] = [
     "orientation",
     "vector",
@@ -44,7 +44,7 @@ pub fn parse(toml: &str) -> Result<Profile, NotAProfile> {
     Ok(profile)
 }
 
-/// Checks that of keys which exclude each other a role has one.
+/// Checks that a role has exactly one of the keys that exclude each other.
 fn check_choices(role: Kind, alternative: &Table) -> Result<(), BadRole> {
     if role == Kind::Position {
         one_of(alternative, "a position", &["geodetic", "local"])?;
@@ -70,7 +70,7 @@ fn one_of(table: &Table, what: &'static str, keys: &'static [&'static str]) -> R
     }
 }
 
-/// Where an alternative's paths name their topic, as in `/imu.orientation`, takes it out of them and into `topics`.
+/// If an alternative's paths name their topic, as in `/imu.orientation`, moves it from them into `topics`.
 fn lift_topic(alternative: &mut Table) -> Result<(), BadRole> {
     let mut topics: Vec<String> = Vec::new();
     for key in WITH_PATHS {
@@ -107,7 +107,7 @@ fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), BadRole>
         Value::Array(values) => values
             .iter_mut()
             .try_for_each(|value| lift_from(value, topics)),
-        // What a field says may look like a path: frame ids of ROS 1 do.
+        // The text that a field is compared with may look like a path, as ROS 1's frame ids do.
         Value::Table(table) => (table.iter_mut())
             .filter(|(key, _)| *key != "says")
             .try_for_each(|(_, value)| lift_from(value, topics)),
@@ -115,7 +115,7 @@ fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), BadRole>
     }
 }
 
-/// A key that is given but not known: what was understood does not have it.
+/// A given key that was not understood: `known`, what was understood, does not have it.
 fn unknown_key(given: &Table, known: &Table) -> Option<String> {
     given.iter().find_map(|(key, value)| match known.get(key) {
         None => Some(key.clone()),
@@ -129,7 +129,7 @@ fn unknown_key_within(given: &Value, known: &Value) -> Option<String> {
         (Value::Array(given), Value::Array(known)) => {
             (given.iter().zip(known)).find_map(|(given, known)| unknown_key_within(given, known))
         }
-        // One alternative may stand by itself.
+        // A single alternative need not be in a list.
         (Value::Table(_), Value::Array(known)) => unknown_key_within(given, known.first()?),
         _ => None,
     }
@@ -156,7 +156,7 @@ fn check(profile: &Profile) -> Result<(), NotAProfile> {
     Ok(())
 }
 
-/// The alternatives of all roles, each a list under the role's name. A single one may stand by itself: `[attitude]`
+/// The alternatives of all roles, each a list under the role's name. A single one need not be in a list: `[attitude]`
 /// for `[[attitude]]`.
 pub mod roles {
     use serde::{Deserialize, Deserializer, Serializer, de::Error, ser::SerializeMap};
@@ -169,7 +169,7 @@ pub mod roles {
         let mut map = serializer.serialize_map(None)?;
         for role in Kind::LISTED {
             let alternatives = &roles[role as usize];
-            // A profile is not one without an attitude.
+            // Every profile must have an attitude.
             if !alternatives.is_empty() || role == Kind::Attitude {
                 map.serialize_entry(role.name(), alternatives)?;
             }

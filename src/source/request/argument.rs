@@ -1,4 +1,4 @@
-//! Where a role is, as an argument says it.
+//! Where a role is, as an argument gives it.
 
 use std::str::FromStr;
 
@@ -16,13 +16,13 @@ use crate::{
     },
 };
 
-/// One role's place in the log, as an argument says it: paths of one topic, joined by commas, and after
-/// colons the units and conventions, as in `/imu.roll,/imu.pitch,/imu.yaw:degrees`.
+/// One role's place in the log, as an argument gives it: paths of one topic, joined by commas, and after colons the
+/// units and conventions, as in `/imu.roll,/imu.pitch,/imu.yaw:degrees`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoleArgument {
     /// Only the topic; the profile says how to read its messages.
     Topic(String),
-    /// Everything.
+    /// The topic, the fields and the conventions.
     Fields(Box<Alternative>),
 }
 
@@ -30,7 +30,7 @@ impl RoleArgument {
     /// Reads a role's argument.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The argument is wrong; the error says how.
     pub fn parse(role: Kind, text: &str) -> Result<Self, BadArgument> {
         let Parts {
             topic,
@@ -56,7 +56,7 @@ impl RoleArgument {
         Ok(Self::Fields(Alternative { place, fields }.into()))
     }
 
-    /// The topics, as the log has them, whatever the namespace.
+    /// The topics as the log has them, whatever the namespace.
     pub fn topics(&self) -> &[String] {
         match self {
             Self::Topic(topic) => std::slice::from_ref(topic),
@@ -99,7 +99,7 @@ fn gimbal(fields: &[FieldPath], words: &mut Words) -> Result<GimbalFields, BadAr
                     unit,
                     positive: words.take().unwrap_or_default(),
                 }),
-                // A pitch alone has no yaw that would be measured from anything.
+                // A pitch alone has no yaw that would be measured from a reference.
                 reference: words.take().unwrap_or(GimbalReference::Heading),
                 // `up` and `down` say its sign.
                 convention: Convention::default(),
@@ -137,7 +137,7 @@ fn position(fields: &[FieldPath], words: &mut Words) -> Result<Coordinates, BadA
     }
 }
 
-/// The only field, or as many as there are components.
+/// Takes one field, or as many as there are components.
 fn components<const N: usize>(
     role: Kind,
     fields: &[FieldPath],

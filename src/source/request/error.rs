@@ -6,7 +6,7 @@ use crate::{decode::path::NotAPath, sample::Kind, source::profile::BadRole};
 /// What is wrong with an argument.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-// What each variant and field is, its message says.
+// Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum BadArgument {
     #[error(transparent)]

@@ -17,7 +17,7 @@ pub struct Parts {
     pub words: Words,
 }
 
-/// Units and conventions that were not used yet.
+/// Units and conventions that have not been used yet.
 pub struct Words(pub Vec<String>);
 
 impl Words {
@@ -32,12 +32,12 @@ impl Words {
         read(&self.0.remove(place))
     }
 
-    /// Whether there is one of these.
+    /// Whether one of these words is there.
     pub fn has(&self, group: &[&str]) -> bool {
         self.0.iter().any(|word| group.contains(&word.as_str()))
     }
 
-    /// Complains of what is not among the known words.
+    /// Rejects unknown words.
     pub fn check(&self, known: Vocabulary) -> Result<(), BadArgument> {
         let is_unknown = |word: &&String| !known.iter().any(|group| group.contains(&word.as_str()));
         match self.0.iter().find(is_unknown) {
@@ -49,7 +49,7 @@ impl Words {
         }
     }
 
-    /// Complains of what was not used.
+    /// Rejects unused words.
     pub fn finish(self) -> Result<(), BadArgument> {
         match self.0.into_iter().next() {
             None => Ok(()),
@@ -58,7 +58,7 @@ impl Words {
     }
 }
 
-/// The words that an argument can have; of each group one.
+/// The words that an argument can have, at most one from each group.
 pub type Vocabulary = &'static [&'static [&'static str]];
 
 const ANGLE_UNITS: &[&str] = &["radians", "degrees", "centidegrees"];
@@ -118,7 +118,7 @@ impl FromStr for Parts {
     }
 }
 
-/// Topics in double quotes may have characters that have a meaning elsewhere.
+/// Splits at a separator, but not within double quotes: topics there may have characters that mean something elsewhere.
 fn split_outside_quotes(text: &str, separator: char) -> Vec<&str> {
     let mut is_quoted = false;
     text.split(|character| {

@@ -21,21 +21,21 @@ use crate::{
     },
 };
 
-/// Looks for what profiles name in one log. Schemas are read when they are needed and not kept: those of some
-/// logs each hold the definitions of all topics.
+/// Looks for what profiles name in one log. Schemas are read when they are needed and not kept, because in some logs
+/// each contains the definitions of all topics.
 pub struct Finder<'a> {
     pub log: &'a Log,
     examples: &'a FirstMessages<'a>,
     /// The channels that have messages, by topic.
     pub topics: BTreeMap<&'a str, Vec<&'a Channel>>,
-    /// The only namespace in which to look.
+    /// The only namespace to look in, if the user names one.
     namespace: Option<&'a str>,
-    /// Where the user says that roles are, which goes before what profiles say.
+    /// Where the user says that roles are, which takes precedence over the profiles.
     pub requested: &'a BTreeMap<Kind, RoleArgument>,
 }
 
 impl<'a> Finder<'a> {
-    /// In a log, as a request wants it.
+    /// Prepares the search for a request in a log.
     pub fn new(log: &'a Log, examples: &'a FirstMessages<'a>, request: &'a Request) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
         for (channel, _) in log.contents.channels_with_messages() {
@@ -85,10 +85,10 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// Where a profile fits the log.
+    /// Finds where a profile fits the log.
     ///
     /// # Errors
-    /// Why nowhere.
+    /// It fits nowhere; the error says why.
     pub fn fit(&self, profile: &Profile) -> Result<Vec<Fit>, Unfit> {
         match specificity(profile) {
             Specificity::Topic => self.fit_by_topics(profile),
@@ -126,8 +126,7 @@ impl<'a> Finder<'a> {
         namespaces
     }
 
-    /// The topics that show a vehicle's namespace: those of the attitude, or where the user has given that, the
-    /// others.
+    /// The topics that show a vehicle's namespace: those of the attitude or, if the user has given that, the others.
     fn namespaced_topics(&self, profile: &Profile) -> Vec<Pattern> {
         let of_role = |kind: Kind| -> Vec<Pattern> {
             let alternatives = match self.requested.contains_key(&kind) {
@@ -171,7 +170,7 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// The name of a channel's type of message; empty where it has none.
+    /// The name of a channel's type of message; empty if it has none.
     pub fn schema_name(&self, channel: &Channel) -> &str {
         let schema = self.log.contents.schema_of(channel);
         schema.map_or("", |schema| schema.name.as_str())
@@ -204,12 +203,12 @@ fn any_or_first_misfit(
     }
 }
 
-/// Why a profile that names no topics does not fit, when all topics lack something.
+/// Why a profile that names no topics does not fit, if something is missing on every topic.
 fn no_topic(profile: &Profile, misfits: Vec<TopicMisfit>) -> Misfit {
     let fields = required_fields(profile);
     let (opaque, known): (Vec<_>, Vec<_>) = misfits.into_iter().partition(TopicMisfit::is_opaque);
-    let nearest = known.into_iter().min_by_key(TopicMisfit::lacks);
-    let nearest = nearest.filter(|misfit| misfit.lacks() < fields.len());
+    let nearest = known.into_iter().min_by_key(TopicMisfit::missing_fields);
+    let nearest = nearest.filter(|misfit| misfit.missing_fields() < fields.len());
     let nearest = nearest.or_else(|| opaque.into_iter().next());
     let attitude = profile.alternatives(Kind::Attitude).first();
     let schemas = attitude.map_or(&[][..], |alternative| &alternative.place.schemas);

@@ -7,7 +7,7 @@ use crate::{
     source::{Origin, error::Misfit, profile::Profile},
 };
 
-/// A place in a log that a profile fits: one vehicle, or where a profile names no topics, one topic.
+/// A place in a log that a profile fits: one vehicle or, if the profile names no topics, one topic.
 #[derive(Debug, Clone)]
 pub struct Fit {
     pub namespace: String,
@@ -31,7 +31,7 @@ impl Fit {
     }
 }
 
-/// What an attitude is known by, the surest last.
+/// How the attitude is recognised, weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Specificity {
     Fields,
@@ -39,7 +39,7 @@ pub enum Specificity {
     Topic,
 }
 
-/// What a profile knows the attitude by.
+/// How a profile recognises the attitude.
 pub fn specificity(profile: &Profile) -> Specificity {
     match profile.alternatives(Kind::Attitude).first() {
         Some(first) if !first.place.topics.is_empty() => Specificity::Topic,

@@ -29,14 +29,14 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The attitude, on the topics that the profile names.
+    /// Finds the attitude on the topics that the profile names.
     pub fn attitude(&self) -> Result<Origin, Unfit> {
         let attitude = self.choose(Kind::Attitude, None);
         attitude.map_err(|unfit| self.as_requested(Kind::Attitude, unfit))
     }
 
-    /// The attitude on any one topic, where the velocity must be too if that is required and not requested from
-    /// elsewhere.
+    /// Finds the attitude on any one topic, which must also have the velocity if that is required and not requested
+    /// from elsewhere.
     pub fn data_point(&self, topic: &str) -> Result<Origin, BindError> {
         let bind = |kind| self.bind(kind, topic, &self.at_topic(kind, topic, topic));
         let attitude = bind(Kind::Attitude);
@@ -50,7 +50,7 @@ impl Search<'_> {
         }
     }
 
-    /// Adds to an attitude what else the profile finds beside it.
+    /// Adds to an attitude whatever else the profile finds with it.
     pub fn complete(&self, attitude: Origin) -> Result<Fit, Unfit> {
         let mut others = BTreeMap::new();
         for kind in Kind::ALL.into_iter().filter(|&kind| kind != Kind::Attitude) {
@@ -68,9 +68,9 @@ impl Search<'_> {
         })
     }
 
-    /// Whether the profile does not fit where a role is missing for this reason.
+    /// Whether the profile does not fit if a role is missing for this reason.
     fn needs(&self, kind: Kind, misfit: &Misfit) -> bool {
-        // There are messages where the profile says that the velocity is, and they are not what it says.
+        // There are messages where the profile expects the velocity, but they are not what it expects.
         let is_fault = matches!(misfit, Misfit::Messages(_));
         self.requires(kind) || kind == Kind::Velocity && is_fault
     }
@@ -85,8 +85,7 @@ impl Search<'_> {
         self.finder.requested.contains_key(&kind)
     }
 
-    /// Ends the search where a role is missing of which the user has given all, for then it is missing in every
-    /// profile.
+    /// Ends the search if a fully specified role is missing: no other profile would find it.
     fn as_requested(&self, kind: Kind, unfit: Unfit) -> Unfit {
         match (unfit, self.finder.requested.get(&kind)) {
             (Unfit::Misfit(misfit), Some(RoleArgument::Fields(_))) => {
@@ -96,7 +95,8 @@ impl Search<'_> {
         }
     }
 
-    /// A topic as the profile names it, or as the user does, who names it as the log has it.
+    /// The pattern of a topic: the profile's in the namespace, or the user's as it is, since that names the topic as
+    /// the log does.
     fn pattern(&self, kind: Kind, topic: &str) -> Pattern {
         match self.is_requested(kind) {
             true => Pattern::new("", topic),
@@ -104,7 +104,7 @@ impl Search<'_> {
         }
     }
 
-    /// The first of a role's topics that has messages with the fields; `own` is the attitude's.
+    /// Finds the first of a role's topics that has messages with the fields; `own` is the attitude's topic.
     fn choose(&self, kind: Kind, own: Option<&str>) -> Result<Origin, Unfit> {
         let mut fault = None;
         for alternative in self.profile.alternatives(kind) {
@@ -117,7 +117,7 @@ impl Search<'_> {
             for topic in named.chain(own) {
                 match self.bind(kind, topic, &[alternative]) {
                     Ok(origin) => return Ok(origin),
-                    // An alternative for another type of message says nothing of this one.
+                    // An alternative for another type of message says nothing about this one.
                     Err(BindError::OtherType { .. }) => {}
                     Err(error) => {
                         let misfit = TopicMisfit::new(topic, error.unless_of_reading()?);
@@ -155,7 +155,7 @@ impl Search<'_> {
         }
     }
 
-    /// Those alternatives of a role that are meant for a topic; `own` is the attitude's.
+    /// The alternatives of a role that are meant for a topic; `own` is the attitude's topic.
     fn at_topic(&self, kind: Kind, topic: &str, own: &str) -> Vec<&Alternative> {
         let is_match = |text: &String| self.pattern(kind, text).is_match(topic);
         let alternatives = self.profile.alternatives(kind).iter();
@@ -197,13 +197,13 @@ impl Search<'_> {
         )
     }
 
-    /// How to read each channel of a fit's topics for some kinds of sample.
+    /// Makes readers for each channel of a fit's topics, for some kinds of sample.
     pub fn channels(
         &self,
         fit: &Fit,
         wanted: &BTreeSet<Kind>,
     ) -> Result<BTreeMap<u16, ChannelReader>, TelemetryError> {
-        // In the order of kinds, in which the samples of one message belong.
+        // In the order of kinds, which is that of the samples of one message.
         let roles: BTreeMap<Kind, &Origin> = (fit.roles().into_iter())
             .filter(|(kind, _)| wanted.contains(kind))
             .filter_map(|(kind, origin)| Some((kind, origin.ok()?)))
@@ -223,7 +223,7 @@ impl Search<'_> {
         Ok(channels)
     }
 
-    /// How to read a channel for some kinds of sample; `own` is the attitude's topic.
+    /// Makes a reader of a channel for some kinds of sample; `own` is the attitude's topic.
     fn reader(
         &self,
         channel: &Channel,

@@ -216,7 +216,7 @@ fn invalid_samples_and_underivable_topics_are_explained() {
         &prints(&folder, "", 0),
         "Velocity         1        –            –    100 % … \
          enrich would write … /camera/relative_rpy … up to 1 message … \
-         but not … /camera/velocity: it takes a usable velocity sample, and … has 0 of 1 usable, 1 marked invalid",
+         but not … /camera/velocity: at least one usable velocity sample is needed, and … has 0 of 1 usable, 1 marked invalid",
     );
 }
 

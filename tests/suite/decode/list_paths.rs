@@ -305,7 +305,7 @@ fn a_path_into_a_number_or_string_is_an_error_that_says_so() {
             "`note[0]` does not exist, because `note` is text",
         ),
         ("note", "`note` is not a number but text"),
-        ("raw[0]", "`raw` is a string of bytes"),
+        ("raw[0]", "`raw` is bytes"),
         ("by.a", "`by` is a map"),
         ("esc.rpm", "`esc` is a list of messages"),
         ("esc[0]", "`esc[0]` is not a number but a message"),

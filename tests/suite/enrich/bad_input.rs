@@ -166,14 +166,14 @@ mod fields {
             (
                 &json,
                 "q[4]",
-                "no field `q[4]`; … first messages has name, q, v",
+                "no field `q[4]`; … with the most fields has name, q, v",
             ),
             (&json, "name.w", "no field `name.w`"),
             (&json, "name", "field `name` is not a number but text"),
             (
                 &json,
                 "quat[0]",
-                "no field `quat[0]`; … first messages has name, q, v",
+                "no field `quat[0]`; … with the most fields has name, q, v",
             ),
         ] {
             let attitude = format!("--attitude /pose.{field},/pose.v[0],/pose.v[1]:degrees");

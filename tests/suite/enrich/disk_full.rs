@@ -45,7 +45,7 @@ fn run(folder: &Folder, limit: usize, arguments: &str, message: &str) -> Outcome
     }
     assert_reads(
         &err,
-        "flight.mcap: the log could not be restored either (File too large …); … has its old end … when there is \
+        "and the log flight.mcap could not be restored (File too large …); … has its old end … when there is \
          room again, `flightcam restore` does that",
     );
     // A log that is still intact is rolled back like one that is not.

@@ -221,12 +221,12 @@ fn what_cannot_be_derived_is_reported_as_by_enrich() {
         (
             states_without(5, "vx", 0),
             &[4][..],
-            "a usable velocity sample, and /state has 0 of 5 usable, 5 without a field",
+            "one usable velocity sample is needed, and /state has 0 of 5 usable, 5 without a field",
         ),
         (
             states_without(5, "yaw", 1),
             &[5],
-            "2 usable attitude samples, and /state has 1 of 5 usable, 4 without",
+            "two usable attitude samples are needed, and /state has 1 of 5 usable, 4 without",
         ),
     ] {
         let inspection = inspected(&log(&[topic("/state", states)]));
@@ -239,8 +239,8 @@ fn what_cannot_be_derived_is_reported_as_by_enrich() {
     let inspection = inspected(&log(&[topic("/state", states_without(5, "yaw", 0))]));
     assert!(telemetry(&inspection).would_write.is_empty());
     let problem = inspection.problem.expect("there is nothing to write");
-    let words = "nothing can be derived … /camera/relative_rpy: it takes 2 usable attitude samples … \
-                 /camera/velocity: it takes a usable attitude sample, and /state has 0 of 5 usable";
+    let words = "nothing can be derived … /camera/relative_rpy: at least two usable attitude samples are needed … \
+                 /camera/velocity: at least one usable attitude sample is needed, and /state has 0 of 5 usable";
     assert_reads(&problem.to_string(), words);
 }
 
@@ -253,7 +253,7 @@ fn a_gimbal_without_a_usable_angle_cannot_be_followed() {
     request.roles.insert(Kind::Gimbal, pitch);
     let options = Options::new().telemetry(request);
     let problem = inspected_with(&log, &options).expect("a log").problem;
-    let words = "/camera/velocity: it takes a usable gimbal sample, and /gimbal has 0 of 1 usable";
+    let words = "/camera/velocity: at least one usable gimbal sample is needed, and /gimbal has 0 of 1 usable";
     assert_reads(&problem.expect("nothing to follow").to_string(), words);
     let options = options.depression(DepressionAngle::from_degrees(30.0).unwrap());
     let inspection = inspected_with(&log, &options).expect("a log");

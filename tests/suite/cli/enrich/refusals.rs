@@ -43,7 +43,7 @@ fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_it_has()
     );
     let fields = "`roll`, `pitch`, `yaw`, `vx`, `vy`, `vz`";
     let nearest = format!(
-        "{fields}; /imu comes closest: it has no field `vy`, `vz`; … first messages has pitch, roll, vx, yaw"
+        "{fields}; /imu comes closest: it has no field `vy`, `vz`; … with the most fields has pitch, roll, vx, yaw"
     );
     let cases: [(&[Topic], &str, &str); 4] = [
         (&[battery], fields, "topics of the log: … /battery (json"),
