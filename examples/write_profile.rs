@@ -10,14 +10,14 @@
 use std::error::Error;
 
 use flightcam::profile::{
-    Alternative, AngleUnit, AttitudeFields, Components, Convention, Euler, Orientation, Place,
+    Alternative, AngleUnit, AttitudeFields, Components, Convention, Euler, Location, Orientation,
     Profile, RoleFields, SpeedUnit, VelocityFields, VelocityFrame,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let place = Place {
+    let location = Location {
         schemas: vec!["demo.DroneState".to_owned()],
-        ..Place::on("/drone/state")
+        ..Location::on("/drone/state")
     };
     let attitude = AttitudeFields {
         orientation: Orientation::Euler(Euler {
@@ -37,11 +37,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let mut profile = Profile::new("demonstration")
         .with(Alternative {
-            place: place.clone(),
+            location: location.clone(),
             fields: RoleFields::Attitude(attitude),
         })
         .with(Alternative {
-            place,
+            location,
             fields: RoleFields::Velocity(velocity),
         });
     profile.description = "flightcam's demonstration flight".to_owned();

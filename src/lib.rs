@@ -105,7 +105,7 @@ pub mod writer;
 pub mod profile {
     pub use crate::source::profile::{
         Alternative, AttitudeFields, Components, Condition, Coordinates, Euler, GimbalFields,
-        OptionalField, Orientation, Pitch, Place, Profile, Quaternion, RoleFields, SampleTime,
+        Location, OptionalField, Orientation, Pitch, Profile, Quaternion, RoleFields, SampleTime,
         Test, TimeField, VelocityFields,
         convention::{
             AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,

@@ -6,17 +6,17 @@
 
 pub mod contents;
 pub mod file;
+pub(crate) mod fingerprint;
 pub(crate) mod message_index;
-pub(crate) mod prefix;
 pub mod record;
 pub mod stream;
 
 mod chunk;
 mod error;
 mod message_times;
+mod partial_chunk;
 mod scan;
 mod segment;
-mod sparse;
 mod summary;
 
 use std::{

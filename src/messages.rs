@@ -15,10 +15,9 @@ mod relative_rpy;
 
 mod cdr;
 mod json;
-mod number;
+mod numbers;
 mod protobuf;
 mod ros2;
-mod time;
 mod vector3_stamped;
 
 use std::collections::BTreeMap;

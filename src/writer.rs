@@ -14,9 +14,9 @@ mod append;
 mod channels;
 mod chunk;
 pub(crate) mod copy;
+mod data_section;
 mod error;
 mod interleave;
-mod section;
 mod summary;
 
 use std::collections::BTreeMap;

@@ -5,18 +5,18 @@
 //! read straight from its bytes, without building it, and only as far as the last wanted field. A message that breaks
 //! off after that field is read like a whole one.
 //!
-//! text → [`definition`] → [`linker`] → [`message`] types, whose values' sizes are in [`layout`] → [`program`], which
+//! text → [`definition`] → [`linker`] → [`message`] types, whose values' sizes are in [`layout`] → [`decoder`], which
 //! runs over the bytes in [`wire`].
 //!
 //! Definitions: <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html> and
 //! <https://wiki.ros.org/msg>; how MCAP joins several into one text:
 //! <https://mcap.dev/spec/registry#ros2msg>.
 
+mod decoder;
 mod definition;
 mod layout;
 mod linker;
 mod message;
-mod program;
 mod wire;
 
 use std::sync::Arc;
@@ -29,8 +29,8 @@ use super::{
     tree::{FieldTree, tree},
     value::{Slots, Undecodable},
 };
+use decoder::{Op, Program};
 use message::{RosElement, RosMessage, RosType};
-use program::{Op, Program};
 use wire::Cursor;
 
 pub use wire::Dialect;

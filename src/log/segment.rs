@@ -11,8 +11,8 @@ use super::{
     error::{Damage, ReadError},
     file::LogFile,
     message_index::new_message_indexes,
+    partial_chunk::PartialChunkReader,
     record::{RawMessage, Records},
-    sparse::SparseReader,
 };
 
 /// Reads the messages of one segment after the other, reusing its buffers.
@@ -20,7 +20,7 @@ pub struct SegmentReader<'a> {
     file: &'a LogFile,
     loose: Vec<u8>,
     chunks: ChunkReader,
-    sparse: SparseReader,
+    partial: PartialChunkReader,
 }
 
 impl<'a> SegmentReader<'a> {
@@ -30,7 +30,7 @@ impl<'a> SegmentReader<'a> {
             file: &log.file,
             loose: Vec::new(),
             chunks: ChunkReader::default(),
-            sparse: SparseReader::default(),
+            partial: PartialChunkReader::default(),
         }
     }
 
@@ -49,7 +49,7 @@ impl<'a> SegmentReader<'a> {
     ) -> Result<impl Iterator<Item = Result<RawMessage<'_>, ReadError>>, ReadError> {
         let file = self.file;
         let Segment { offset, length, .. } = *segment;
-        let records = match self.sparse.read(file, segment, wanted)? {
+        let records = match self.partial.read(file, segment, wanted)? {
             Some(records) => records,
             None if matches!(segment.kind, SegmentKind::Loose) => {
                 file.read_into(&mut self.loose, offset, length)?;

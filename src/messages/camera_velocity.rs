@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::{
-    Encoding, Header, MessageDefinition, json, number::without_negative_zeros, protobuf, v1,
+    Encoding, Header, MessageDefinition, json, numbers::without_negative_zeros, protobuf, v1,
     vector3_stamped,
 };
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::time::split_seconds;
+use super::numbers::split_seconds;
 
 /// A definition is a JSON Schema.
 pub const SCHEMA_ENCODING: &str = "jsonschema";

@@ -2,7 +2,7 @@
 
 use prost::Message;
 
-use super::time::split_seconds;
+use super::numbers::split_seconds;
 
 /// A definition is a serialised `FileDescriptorSet` of the message's file and all that it imports.
 pub const SCHEMA_ENCODING: &str = "protobuf";

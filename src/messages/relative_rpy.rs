@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    Encoding, Header, MessageDefinition, json, number::without_negative_zeros, protobuf, v1,
+    Encoding, Header, MessageDefinition, json, numbers::without_negative_zeros, protobuf, v1,
     vector3_stamped,
 };
 use crate::geometry::RollPitchYaw;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mcap::records::Channel;
 
-use super::{Header, cdr::Cdr, time::split_seconds};
+use super::{Header, cdr::Cdr, numbers::split_seconds};
 
 pub const SCHEMA_ENCODING: &str = "ros2msg";
 

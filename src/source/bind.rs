@@ -88,16 +88,16 @@ pub fn bind_role(
 fn bind_reading(
     binder: &mut Binder,
     profile: &Profile,
-    Alternative { place, fields }: &Alternative,
+    Alternative { location, fields }: &Alternative,
 ) -> Result<Reading, BindError> {
-    let condition = place.when.as_ref();
+    let condition = location.when.as_ref();
     Ok(Reading {
         condition: condition.map(|when| binder.condition(when)).transpose()?,
         fields: binder.role(fields)?,
-        valid: (place.valid.iter())
+        valid: (location.valid.iter())
             .map(|path| binder.number(path))
             .collect::<Result<_, _>>()?,
-        time: binder.time(place.time.as_ref().unwrap_or(&profile.time))?,
+        time: binder.time(location.time.as_ref().unwrap_or(&profile.time))?,
     })
 }
 
@@ -110,11 +110,11 @@ pub fn for_type<'p>(
     alternatives: impl Iterator<Item = &'p Alternative>,
 ) -> Result<Vec<&'p Alternative>, BindError> {
     let (fitting, others): (Vec<_>, Vec<_>) =
-        alternatives.partition(|alternative| alternative.place.is_for(schema_name));
+        alternatives.partition(|alternative| alternative.location.is_for(schema_name));
     match others.first() {
         Some(other) if fitting.is_empty() => Err(BindError::OtherType {
             name: schema_name.to_owned(),
-            wanted: other.place.schemas.clone(),
+            wanted: other.location.schemas.clone(),
         }),
         _ => Ok(fitting),
     }

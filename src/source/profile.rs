@@ -8,8 +8,8 @@ pub mod convention;
 mod components;
 mod error;
 mod fields;
-mod place;
-mod text;
+mod location;
+mod toml;
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub use fields::{
     AttitudeFields, Coordinates, Euler, GimbalFields, OptionalField, Orientation, Pitch,
     Quaternion, RoleFields, VelocityFields,
 };
-pub use place::{Condition, Place, SampleTime, Test, TimeField};
+pub use location::{Condition, Location, SampleTime, Test, TimeField};
 
 /// Where a log of one kind has its telemetry, and in which conventions.
 ///
@@ -43,7 +43,7 @@ pub struct Profile {
     /// What the time of a sample is.
     #[serde(default)]
     pub time: SampleTime,
-    #[serde(flatten, with = "text::roles")]
+    #[serde(flatten, with = "toml::roles")]
     roles: Roles,
 }
 
@@ -55,7 +55,7 @@ type Roles = [Vec<Alternative>; Kind::ALL.len()];
 pub struct Alternative {
     /// Which messages it reads.
     #[serde(flatten)]
-    pub place: Place,
+    pub location: Location,
     /// The fields that it reads from them.
     #[serde(flatten)]
     pub fields: RoleFields,
@@ -132,7 +132,7 @@ impl Profile {
     /// # Errors
     /// The text is not a profile; the error says why, and where.
     pub fn parse(toml: &str) -> Result<Self, NotAProfile> {
-        text::parse(toml)
+        toml::parse(toml)
     }
 
     /// Loads a built-in profile by name, or one from a file: anything that ends in `.toml` or contains a folder is

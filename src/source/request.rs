@@ -2,7 +2,7 @@
 
 mod argument;
 mod error;
-mod words;
+mod parts;
 
 use std::collections::BTreeMap;
 
@@ -76,7 +76,7 @@ impl Request {
             profile.time = time.clone();
             for kind in Kind::ALL {
                 let alternatives = profile.alternatives_mut(kind).iter_mut();
-                alternatives.for_each(|alternative| alternative.place.time = None);
+                alternatives.for_each(|alternative| alternative.location.time = None);
             }
         }
     }
@@ -91,7 +91,7 @@ fn replace(alternatives: &mut Vec<Alternative>, argument: &RoleArgument) {
                 alternatives.retain(|one| knows(one, topic));
             }
             for alternative in alternatives {
-                alternative.place.topics = vec![topic.clone()];
+                alternative.location.topics = vec![topic.clone()];
             }
         }
     }
@@ -99,6 +99,6 @@ fn replace(alternatives: &mut Vec<Alternative>, argument: &RoleArgument) {
 
 /// Whether an alternative is for a topic, in any namespace.
 fn knows(alternative: &Alternative, topic: &str) -> bool {
-    let mut topics = alternative.place.topics.iter();
+    let mut topics = alternative.location.topics.iter();
     topics.any(|known| Pattern::new("", known).namespace_of(topic).is_some())
 }

@@ -1,8 +1,8 @@
 //! Selecting the telemetry of a log: which profile, which vehicle, and which of the log's channels.
 
-mod finder;
 mod fit;
-mod search;
+mod log_search;
+mod namespace_search;
 
 use std::{cmp::Reverse, collections::BTreeSet};
 
@@ -13,9 +13,9 @@ use super::{
     request::Request,
 };
 use crate::{decode::FirstMessages, log::Log, sample::Kind};
-use finder::Finder;
 pub use fit::Fit;
 use fit::{Specificity, specificity};
+use log_search::LogSearch;
 
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -76,12 +76,12 @@ impl Source {
         thoroughness: Thoroughness,
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let finder = Finder::new(log, &examples, request);
-        finder.check_request()?;
+        let log_search = LogSearch::new(log, &examples, request);
+        log_search.check_request()?;
         let mut profiles = request.profiles();
         // The most specific come first. The sort is stable, so equals keep their order.
         profiles.sort_by_key(|profile| Reverse(specificity(profile)));
-        let (candidates, misfits) = try_profiles(&finder, &profiles, thoroughness)?;
+        let (candidates, misfits) = try_profiles(&log_search, &profiles, thoroughness)?;
         let Some((best, rest)) = choose(candidates) else {
             return Err(none_fits(log, misfits));
         };
@@ -93,7 +93,7 @@ impl Source {
             attitude: Ok(candidate.fit.attitude),
         });
         Ok(Self {
-            channels: finder
+            channels: log_search
                 .search(profile, &fit.namespace)
                 .channels(fit, &Kind::ALL.into())?,
             runners_up: runners_up.chain(misfits).collect(),
@@ -113,9 +113,9 @@ impl Source {
         kinds: &BTreeSet<Kind>,
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let finder = Finder::new(log, &examples, request);
+        let log_search = LogSearch::new(log, &examples, request);
         Ok(Self {
-            channels: (finder.search(&self.profile, &self.fit.namespace))
+            channels: (log_search.search(&self.profile, &self.fit.namespace))
                 .channels(&self.fit, kinds)?,
             ..self
         })
@@ -124,7 +124,7 @@ impl Source {
 
 /// Finds where the profiles fit, and which do not.
 fn try_profiles<'p>(
-    finder: &Finder,
+    log_search: &LogSearch,
     profiles: &'p [Profile],
     thoroughness: Thoroughness,
 ) -> Result<(Vec<Candidate<'p>>, Vec<RunnerUp>), TelemetryError> {
@@ -139,7 +139,7 @@ fn try_profiles<'p>(
         if thoroughness == Thoroughness::UntilFound && best > Some(could_be_best) {
             break;
         }
-        match finder.fit(profile) {
+        match log_search.fit(profile) {
             Ok(fits) => candidates.extend(fits.into_iter().map(|fit| Candidate { profile, fit })),
             Err(Unfit::Misfit(misfit)) => misfits.push(RunnerUp {
                 profile: profile.name.clone(),

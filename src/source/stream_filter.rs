@@ -121,7 +121,7 @@ impl StreamFilter {
             None => Pattern::new("", name).is_match(topic),
         };
         let alternatives = profile.alternatives(kind).iter();
-        let mut names = alternatives.flat_map(|alternative| &alternative.place.topics);
+        let mut names = alternatives.flat_map(|alternative| &alternative.location.topics);
         names.any(is_match)
     }
 
@@ -169,7 +169,7 @@ fn without_topics<'p>(
     schema_name: &str,
 ) -> Result<Vec<&'p Alternative>, BindError> {
     let alternatives = profile.alternatives(kind).iter();
-    let without = alternatives.filter(|alternative| alternative.place.topics.is_empty());
+    let without = alternatives.filter(|alternative| alternative.location.topics.is_empty());
     for_type(schema_name, without)
 }
 

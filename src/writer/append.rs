@@ -5,8 +5,8 @@ use std::{borrow::Cow, collections::BTreeMap, io::Write, path::PathBuf};
 use mcap::records::AttachmentHeader;
 
 use super::{
-    Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, error::WriteError, original,
-    provenance, section::Section, summary,
+    Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, data_section::DataSection,
+    error::WriteError, original, provenance, summary,
 };
 use crate::{
     derived::Derived,
@@ -22,7 +22,7 @@ pub struct Appender<'a, W> {
     log: &'a Log,
     /// The output's path, for errors.
     path: PathBuf,
-    section: Section<W>,
+    section: DataSection<W>,
     /// The attachment with the log's end. Made before the first write, which may overwrite that end.
     tail: Vec<u8>,
     channels: NewChannels<'a>,
@@ -38,7 +38,7 @@ impl<'a, W: Write> Appender<'a, W> {
     /// # Errors
     /// The output cannot be written, or the log cannot be read.
     pub fn begin(log: &'a Log, out: W, path: PathBuf, format: Format) -> Result<Self, WriteError> {
-        let section = Section::new(out, log.data_end, log.data_crc);
+        let section = DataSection::new(out, log.data_end, log.data_crc);
         let mut appender = Self {
             section: section.map_err(|source| WriteError::output(&path, source))?,
             tail: original::encode(log)?,

@@ -6,8 +6,8 @@ use mcap::records::{Channel, MessageHeader, SchemaHeader, op};
 
 use super::{
     chunk::Batch,
+    data_section::Added,
     error::{IdKind, WriteError},
-    section::Added,
 };
 use crate::{
     derived::{Derived, Quantity},

@@ -16,8 +16,8 @@ use crc32fast::Hasher;
 use mcap::records::ChunkIndex;
 
 use super::{
-    Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, error::WriteError, provenance,
-    section::Section, summary,
+    Layout, LogWriter, Written, channels::NewChannels, chunk::Batch, data_section::DataSection,
+    error::WriteError, provenance, summary,
 };
 use crate::{
     derived::Derived,
@@ -34,7 +34,7 @@ pub struct Interleaver<'a, W> {
     log: &'a Log,
     /// The output's path, for errors.
     path: PathBuf,
-    section: Section<W>,
+    section: DataSection<W>,
     channels: NewChannels<'a>,
     batch: Batch,
     /// The earliest time in each piece or in any piece after it.
@@ -65,7 +65,7 @@ impl<'a, W: Write> Interleaver<'a, W> {
         format: Format,
         on_copied: OnCopied<'a>,
     ) -> Result<Self, WriteError> {
-        let section = Section::new(out, 0, log.data_crc.map(|_| 0));
+        let section = DataSection::new(out, 0, log.data_crc.map(|_| 0));
         Ok(Self {
             section: section.map_err(|source| WriteError::output(&path, source))?,
             path,

@@ -28,7 +28,7 @@ use binrw::{BinWrite, binrw};
 
 use crate::{
     fs::{NewFile, ReadAt, WriteAt, folder_of, sync_folder},
-    log::{ReadError, file::LogFile, prefix::Prefix},
+    log::{ReadError, file::LogFile, fingerprint::Fingerprint},
 };
 pub use recovery::{Interrupted, open};
 
@@ -266,7 +266,7 @@ fn not_saved(journal: &Path, source: io::Error) -> JournalError {
 #[derive(Debug)]
 struct Trailer {
     /// Identifies the part of the log that does not change.
-    prefix: Prefix,
+    prefix: Fingerprint,
     /// The log's length before the change.
     old_length: u64,
     /// The log's length after the change.
@@ -314,7 +314,7 @@ fn complete(log: &File, log_path: &Path, start: u64, journal: &NewFile) -> io::R
     zstd.finish()?.flush()?;
 
     let mut trailer = Trailer {
-        prefix: Prefix::of(log, start)?,
+        prefix: Fingerprint::of(log, start)?,
         old_length,
         new_length: start + new_end,
         saved: 0,

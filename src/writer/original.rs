@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     derived::Quantity,
-    log::{Damage, Log, ReadError, prefix::Prefix, record::Records},
+    log::{Damage, Log, ReadError, fingerprint::Fingerprint, record::Records},
     messages::v1::OriginalTail,
 };
 
@@ -97,7 +97,7 @@ impl Original {
 /// The content of the attachment: what the log has after its data section, and what identifies the data section.
 pub(super) fn encode(log: &Log) -> Result<Vec<u8>, ReadError> {
     let data_end = log.data_end;
-    let prefix = Prefix::of(log.file.own_bytes(), data_end)
+    let prefix = Fingerprint::of(log.file.own_bytes(), data_end)
         .map_err(|source| ReadError::io("cannot read", log.file.path(), source))?;
     let (tail_zstd, tail_sha256) = compress(log, data_end)?;
     let message = OriginalTail {
@@ -142,7 +142,7 @@ fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, ReadError> {
     let Some(message) = decode(log, index)? else {
         return rewritten;
     };
-    let prefix = Prefix {
+    let prefix = Fingerprint {
         length: message.data_end,
         head_sha256: match message.head_sha256.as_slice().try_into() {
             Ok(hash) => hash,
@@ -156,7 +156,7 @@ fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, ReadError> {
     let is_intact = prefix.length <= index.offset
         && index.offset.checked_add(index.length) == Some(log.data_end)
         && is_all_ours(log, prefix.length)
-        && Prefix::of(log.file.own_bytes(), prefix.length)
+        && Fingerprint::of(log.file.own_bytes(), prefix.length)
             .map_err(|source| ReadError::io("cannot read", log.file.path(), source))?
             == prefix;
     if !is_intact {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mcap::records::{ChunkIndex, Footer, MessageIndex, Statistics, SummaryOffset, op};
 
-use super::section::Added;
+use super::data_section::Added;
 use crate::log::{
     contents::{Contents, SegmentKind},
     message_index::push_message_indexes,

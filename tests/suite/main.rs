@@ -74,7 +74,7 @@ mod source {
     mod namespaces;
     // What would silently yield wrong numbers.
     mod pitfalls;
-    mod profile_text;
+    mod profile_toml;
     mod selection;
     // Which messages of a streamed log are kept.
     mod stream_filter;

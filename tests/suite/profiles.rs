@@ -188,7 +188,7 @@ fn topic_lists(profile: &Profile) -> BTreeSet<&Vec<String>> {
     (Kind::ALL
         .iter()
         .flat_map(|&kind| profile.alternatives(kind)))
-    .map(|alternative| &alternative.place.topics)
+    .map(|alternative| &alternative.location.topics)
     .filter(|topics| !topics.is_empty())
     .collect()
 }

@@ -4,14 +4,14 @@ use std::str::FromStr;
 
 use super::{
     BadArgument,
-    words::{Parts, REFERENCES, TIME_UNITS, Words, vocabulary},
+    parts::{Parts, REFERENCES, TIME_UNITS, Words, vocabulary},
 };
 use crate::{
     decode::path::FieldPath,
     sample::{GimbalReference, Kind},
     source::profile::{
-        Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Orientation,
-        Pitch, Place, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
+        Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
+        Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
         convention::{AngleUnit, Convention, PositionFrame},
     },
 };
@@ -52,15 +52,15 @@ impl RoleArgument {
         };
         fields.check()?;
         words.finish()?;
-        let place = Place::on(topic);
-        Ok(Self::Fields(Alternative { place, fields }.into()))
+        let location = Location::on(topic);
+        Ok(Self::Fields(Alternative { location, fields }.into()))
     }
 
     /// The topics as the log has them, whatever the namespace.
     pub fn topics(&self) -> &[String] {
         match self {
             Self::Topic(topic) => std::slice::from_ref(topic),
-            Self::Fields(alternative) => &alternative.place.topics,
+            Self::Fields(alternative) => &alternative.location.topics,
         }
     }
 }

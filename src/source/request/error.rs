@@ -1,6 +1,6 @@
 //! What can be wrong with an argument.
 
-use super::words::Vocabulary;
+use super::parts::Vocabulary;
 use crate::{decode::path::NotAPath, sample::Kind, source::profile::BadRole};
 
 /// What is wrong with an argument.

@@ -42,8 +42,8 @@ pub enum Specificity {
 /// How a profile recognises the attitude.
 pub fn specificity(profile: &Profile) -> Specificity {
     match profile.alternatives(Kind::Attitude).first() {
-        Some(first) if !first.place.topics.is_empty() => Specificity::Topic,
-        Some(first) if !first.place.schemas.is_empty() => Specificity::Schema,
+        Some(first) if !first.location.topics.is_empty() => Specificity::Topic,
+        Some(first) if !first.location.schemas.is_empty() => Specificity::Schema,
         _ => Specificity::Fields,
     }
 }

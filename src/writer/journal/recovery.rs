@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     fs::{Access, LockedFile, ReadAt, Slice},
-    log::{Log, ReadError, file::LogFile, prefix::Prefix},
+    log::{Log, ReadError, file::LogFile, fingerprint::Fingerprint},
     writer::original::Original,
 };
 
@@ -100,7 +100,7 @@ fn recover(
     let trailer = Trailer::read_from(&journal)
         .map_err(failed)?
         .map_err(distrust)?;
-    if Prefix::of(log, trailer.start()).ok().as_ref() != Some(&trailer.prefix) {
+    if Fingerprint::of(log, trailer.start()).ok().as_ref() != Some(&trailer.prefix) {
         return Err(JournalError::Foreign {
             path: log_path.into(),
             journal: path,

@@ -5,8 +5,8 @@ use flightcam::{
     sample::{GimbalReference, Kind},
     source::{
         profile::{
-            Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Orientation,
-            Pitch, Place, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
+            Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
+            Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
             convention::{
                 AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection,
                 QuaternionOrder, SpeedUnit, TimeUnit, VelocityFrame,
@@ -27,8 +27,8 @@ fn each<const N: usize>(paths: [&str; N]) -> Components<N> {
 }
 
 fn on(topic: &str, fields: RoleFields) -> Alternative {
-    let place = Place::on(topic);
-    Alternative { place, fields }
+    let location = Location::on(topic);
+    Alternative { location, fields }
 }
 
 /// The alternative that an argument stands for.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::Channel;
 
-use super::{Finder, Fit};
+use super::{Fit, LogSearch};
 use crate::{
     log::ReadError,
     sample::Kind,
@@ -22,13 +22,13 @@ use crate::{
 
 /// One profile in one namespace of a log.
 #[derive(Clone, Copy)]
-pub struct Search<'a> {
-    pub finder: &'a Finder<'a>,
+pub struct NamespaceSearch<'a> {
+    pub log_search: &'a LogSearch<'a>,
     pub profile: &'a Profile,
     pub namespace: &'a str,
 }
 
-impl Search<'_> {
+impl NamespaceSearch<'_> {
     /// Finds the attitude on the topics that the profile names.
     pub fn attitude(&self) -> Result<Origin, Unfit> {
         let attitude = self.choose(Kind::Attitude, None);
@@ -82,14 +82,14 @@ impl Search<'_> {
     }
 
     fn is_requested(&self, kind: Kind) -> bool {
-        self.finder.requested.contains_key(&kind)
+        self.log_search.requested.contains_key(&kind)
     }
 
     /// Ends the search if a fully specified role is missing: no other profile would find it.
     fn as_requested(&self, kind: Kind, unfit: Unfit) -> Unfit {
-        match (unfit, self.finder.requested.get(&kind)) {
+        match (unfit, self.log_search.requested.get(&kind)) {
             (Unfit::Misfit(misfit), Some(RoleArgument::Fields(_))) => {
-                self.finder.role_does_not_fit(kind, misfit).into()
+                self.log_search.role_does_not_fit(kind, misfit).into()
             }
             (unfit, _) => unfit,
         }
@@ -108,12 +108,12 @@ impl Search<'_> {
     fn choose(&self, kind: Kind, own: Option<&str>) -> Result<Origin, Unfit> {
         let mut fault = None;
         for alternative in self.profile.alternatives(kind) {
-            let topics = alternative.place.topics.iter();
+            let topics = alternative.location.topics.iter();
             let named = topics.flat_map(|topic| {
                 let pattern = self.pattern(kind, topic);
-                pattern.matches(self.finder.topics.keys().copied())
+                pattern.matches(self.log_search.topics.keys().copied())
             });
-            let own = own.filter(|_| alternative.place.topics.is_empty());
+            let own = own.filter(|_| alternative.location.topics.is_empty());
             for topic in named.chain(own) {
                 match self.bind(kind, topic, &[alternative]) {
                     Ok(origin) => return Ok(origin),
@@ -136,7 +136,7 @@ impl Search<'_> {
     fn why_nowhere(&self, kind: Kind, own: Option<&str>) -> Misfit {
         let alternatives = self.profile.alternatives(kind);
         let mut topics: Vec<String> = Vec::new();
-        for topic in alternatives.iter().flat_map(|one| &one.place.topics) {
+        for topic in alternatives.iter().flat_map(|one| &one.location.topics) {
             let topic = self.pattern(kind, topic).to_string();
             if !topics.contains(&topic) {
                 topics.push(topic);
@@ -160,7 +160,7 @@ impl Search<'_> {
         let is_match = |text: &String| self.pattern(kind, text).is_match(topic);
         let alternatives = self.profile.alternatives(kind).iter();
         alternatives
-            .filter(|alternative| match alternative.place.topics.as_slice() {
+            .filter(|alternative| match alternative.location.topics.as_slice() {
                 [] => own == topic,
                 topics => topics.iter().any(is_match),
             })
@@ -175,9 +175,9 @@ impl Search<'_> {
         alternatives: &[&Alternative],
     ) -> Result<Origin, BindError> {
         let mut fields = Vec::new();
-        for channel in &self.finder.topics[topic] {
+        for channel in &self.log_search.topics[topic] {
             let alternatives = self.for_channel(channel, alternatives)?;
-            let schema = self.finder.schema(channel)?;
+            let schema = self.log_search.schema(channel)?;
             let mut binder = Binder::new(&schema);
             fields = bind_role(&mut binder, self.profile, kind, &alternatives)?.fields;
         }
@@ -192,7 +192,7 @@ impl Search<'_> {
         alternatives: &[&'p Alternative],
     ) -> Result<Vec<&'p Alternative>, BindError> {
         for_type(
-            self.finder.schema_name(channel),
+            self.log_search.schema_name(channel),
             alternatives.iter().copied(),
         )
     }
@@ -210,7 +210,10 @@ impl Search<'_> {
             .collect();
         let topics: BTreeSet<&str> = roles.values().map(|role| role.topic.as_str()).collect();
         let mut channels = BTreeMap::new();
-        for channel in topics.iter().flat_map(|topic| &self.finder.topics[topic]) {
+        for channel in topics
+            .iter()
+            .flat_map(|topic| &self.log_search.topics[topic])
+        {
             let kinds = (roles.iter())
                 .filter(|(_, role)| role.topic == channel.topic)
                 .map(|(&kind, _)| kind);
@@ -230,7 +233,7 @@ impl Search<'_> {
         kinds: impl Iterator<Item = Kind>,
         own: &str,
     ) -> Result<ChannelReader, BindError> {
-        let schema = self.finder.schema(channel)?;
+        let schema = self.log_search.schema(channel)?;
         let mut binder = Binder::new(&schema);
         let bind = |kind| {
             let alternatives = self.at_topic(kind, &channel.topic, own);
@@ -248,10 +251,10 @@ impl Search<'_> {
     ) -> Result<TelemetryError, ReadError> {
         let misfit = TopicMisfit::new(&channel.topic, error.unless_of_reading()?);
         Ok(TelemetryError::ProfileDoesNotFit {
-            path: self.finder.log.file.path().into(),
+            path: self.log_search.log.file.path().into(),
             profile: self.profile.name.clone(),
             misfit: Misfit::Messages(misfit).into(),
-            topics: LogTopics::of(self.finder.log),
+            topics: LogTopics::of(self.log_search.log),
         })
     }
 }

@@ -6,7 +6,7 @@ use mcap::records::Channel;
 
 use super::{
     fit::{Fit, Specificity, specificity},
-    search::Search,
+    namespace_search::NamespaceSearch,
 };
 use crate::{
     decode::{FirstMessages, path::FieldPath, schema::MessageSchema},
@@ -23,7 +23,7 @@ use crate::{
 
 /// Looks for what profiles name in one log. Schemas are read when they are needed and not kept, because in some logs
 /// each contains the definitions of all topics.
-pub struct Finder<'a> {
+pub struct LogSearch<'a> {
     pub log: &'a Log,
     examples: &'a FirstMessages<'a>,
     /// The channels that have messages, by topic.
@@ -34,7 +34,7 @@ pub struct Finder<'a> {
     pub requested: &'a BTreeMap<Kind, RoleArgument>,
 }
 
-impl<'a> Finder<'a> {
+impl<'a> LogSearch<'a> {
     /// Prepares the search for a request in a log.
     pub fn new(log: &'a Log, examples: &'a FirstMessages<'a>, request: &'a Request) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
@@ -133,7 +133,7 @@ impl<'a> Finder<'a> {
                 true => &[],
                 false => profile.alternatives(kind),
             };
-            let topics = alternatives.iter().flat_map(|one| &one.place.topics);
+            let topics = alternatives.iter().flat_map(|one| &one.location.topics);
             topics.map(|topic| Pattern::new("", topic)).collect()
         };
         match of_role(Kind::Attitude) {
@@ -162,9 +162,9 @@ impl<'a> Finder<'a> {
     }
 
     /// Looks for what a profile names in one namespace.
-    pub fn search<'s>(&'s self, profile: &'s Profile, namespace: &'s str) -> Search<'s> {
-        Search {
-            finder: self,
+    pub fn search<'s>(&'s self, profile: &'s Profile, namespace: &'s str) -> NamespaceSearch<'s> {
+        NamespaceSearch {
+            log_search: self,
             profile,
             namespace,
         }
@@ -211,7 +211,7 @@ fn no_topic(profile: &Profile, misfits: Vec<TopicMisfit>) -> Misfit {
     let nearest = nearest.filter(|misfit| misfit.missing_fields() < fields.len());
     let nearest = nearest.or_else(|| opaque.into_iter().next());
     let attitude = profile.alternatives(Kind::Attitude).first();
-    let schemas = attitude.map_or(&[][..], |alternative| &alternative.place.schemas);
+    let schemas = attitude.map_or(&[][..], |alternative| &alternative.location.schemas);
     match schemas {
         [] => Misfit::NoSuchFields { fields, nearest },
         schemas => Misfit::NoSuchType {

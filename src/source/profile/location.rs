@@ -8,7 +8,7 @@ use crate::decode::path::FieldPath;
 /// Which messages an alternative reads, whatever it reads from them.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
-pub struct Place {
+pub struct Location {
     /// Topics in order of preference; `{n}` in one stands for any number, the largest first, `{vehicle}` for a
     /// vehicle's number, which with all that comes before it is the vehicle's namespace. If empty: for an attitude, any
     /// one topic whose messages have all of the fields; otherwise the attitude's own messages.
@@ -26,7 +26,7 @@ pub struct Place {
     pub time: Option<SampleTime>,
 }
 
-impl Place {
+impl Location {
     /// Reads the messages on one topic.
     pub fn on(topic: impl Into<String>) -> Self {
         Self {

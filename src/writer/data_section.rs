@@ -44,7 +44,7 @@ pub struct Added {
 }
 
 /// A data section that is continued from some position.
-pub struct Section<W> {
+pub struct DataSection<W> {
     out: W,
     position: u64,
     /// The checksum of the section so far, if it is to have one.
@@ -54,7 +54,7 @@ pub struct Section<W> {
     pub added: Added,
 }
 
-impl<W: Write> Section<W> {
+impl<W: Write> DataSection<W> {
     /// Continues at `position`, with the checksum of what is before it.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ const HASHED: u64 = 64 * 1024;
 #[binrw]
 #[brw(little)]
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Prefix {
+pub struct Fingerprint {
     /// Length in bytes.
     pub length: u64,
     /// SHA-256 of its first 64 KiB.
@@ -24,7 +24,7 @@ pub struct Prefix {
     pub foot_sha256: [u8; 32],
 }
 
-impl Prefix {
+impl Fingerprint {
     /// Identifies the first `length` bytes.
     ///
     /// # Errors

@@ -22,7 +22,7 @@ const CONTENT_OFFSET: u64 = FRAME_LENGTH as u64 + 8 + 8 + 8 + 4 + 4 + 8;
 
 /// Reads some of the messages of one chunk after the other, reusing its buffers.
 #[derive(Default)]
-pub struct SparseReader {
+pub struct PartialChunkReader {
     entries: Vec<Entry>,
     records: Vec<u8>,
 }
@@ -35,7 +35,7 @@ struct Entry {
     offset: u64,
 }
 
-impl SparseReader {
+impl PartialChunkReader {
     /// Reads the records of a chunk's messages on the wanted channels, in the order of the file. Returns `None` if they
     /// cannot be read by themselves, because the chunk is compressed or not indexed or an index is wrong, or if that is
     /// not worthwhile.

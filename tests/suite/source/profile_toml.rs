@@ -103,7 +103,7 @@ fn a_profile_with_everything_is_the_same_when_written_and_read_again() {
     assert!(velocity.required);
     let test = |alternative: usize| {
         let alternative = &profile.alternatives(Kind::Attitude)[alternative];
-        alternative.place.when.clone().map(|when| when.test)
+        alternative.location.when.clone().map(|when| when.test)
     };
     assert_eq!(test(0), Some(Test::Is(-1)));
     assert_eq!(test(1), Some(Test::Says("/world".to_owned())));
@@ -183,9 +183,9 @@ mod topic_in_a_path {
             time.field = { path = "/a.stamp" }"#,
         );
         let attitude = &profile.alternatives(Kind::Attitude)[0];
-        assert_eq!(attitude.place.topics, ["/a"]);
-        assert_eq!(attitude.place.valid[0].to_string(), "ok");
-        let when = attitude.place.when.as_ref().expect("a condition");
+        assert_eq!(attitude.location.topics, ["/a"]);
+        assert_eq!(attitude.location.valid[0].to_string(), "ok");
+        let when = attitude.location.when.as_ref().expect("a condition");
         assert_eq!(
             when.test,
             Test::Says("/world".to_owned()),

@@ -138,7 +138,8 @@ fn unknown_key_within(given: &Value, known: &Value) -> Option<String> {
 /// Checks what the types leave open.
 fn check(profile: &Profile) -> Result<(), NotAProfile> {
     let attitude = profile.alternatives(Kind::Attitude);
-    let with_topics = (attitude.iter()).filter(|alternative| !alternative.place.topics.is_empty());
+    let with_topics =
+        (attitude.iter()).filter(|alternative| !alternative.location.topics.is_empty());
     match with_topics.count() {
         _ if attitude.is_empty() => return Err(NotAProfile::NoAttitude),
         0 => {}
@@ -146,8 +147,8 @@ fn check(profile: &Profile) -> Result<(), NotAProfile> {
         _ => return Err(NotAProfile::TopicsOfSome),
     }
     for role in Kind::ALL {
-        for Alternative { place, fields } in profile.alternatives(role) {
-            if !profile.namespaced && place.topics.iter().any(|topic| topic.contains(VEHICLE)) {
+        for Alternative { location, fields } in profile.alternatives(role) {
+            if !profile.namespaced && location.topics.iter().any(|topic| topic.contains(VEHICLE)) {
                 return Err(NotAProfile::VehicleWithoutNamespace);
             }
             (fields.check()).map_err(|problem| NotAProfile::Role { role, problem })?;
@@ -204,7 +205,7 @@ pub mod roles {
 
     fn read(role: Kind, alternative: Value) -> Result<Alternative, toml::de::Error> {
         Ok(Alternative {
-            place: alternative.clone().try_into()?,
+            location: alternative.clone().try_into()?,
             fields: RoleFields::read(role, alternative)?,
         })
     }

@@ -1,0 +1,13 @@
+//! Numbers and times as all encodings write them.
+
+/// Turns -0 into 0: protobuf omits zeros, so their sign is lost.
+pub fn without_negative_zeros<const N: usize>(numbers: [f64; N]) -> [f64; N] {
+    // Adding 0 changes a negative zero and nothing else.
+    numbers.map(|number| number + 0.0)
+}
+
+/// Splits a time into whole seconds and the nanoseconds beyond them.
+pub fn split_seconds(nanoseconds: u64) -> (u64, u32) {
+    const SECOND: u64 = 1_000_000_000;
+    (nanoseconds / SECOND, (nanoseconds % SECOND) as u32)
+}
