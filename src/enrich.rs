@@ -53,7 +53,7 @@ pub fn enrich<'a>(
     output: impl Into<Output<'a>>,
     options: &Options,
 ) -> Result<Report, Error> {
-    let (input, output) = (input.into(), output.into());
+    let (input, output) = (input.into(), output.into().open_special()?);
     let run = Run::new(&options.watch, output.name(input.name()), output.left());
     run.run_watched(|| match input {
         Input::Stream { name, stream } => {

@@ -10,7 +10,7 @@ pub use crate::{
         profile::{BadRole, NotAProfile, ProfileError, WrongCount},
     },
     writer::{
-        IdKind, WriteError,
+        IdKind, SpecialFile, WriteError,
         journal::{JournalError, JournalFault},
         original::Lost,
     },

@@ -47,7 +47,7 @@ pub fn restore<'a>(
     output: impl Into<Output<'a>>,
     watch: &Watch,
 ) -> Result<Restored, Error> {
-    let (log, output) = (log.into(), output.into());
+    let (log, output) = (log.into(), output.into().open_special()?);
     let run = Run::new(watch, output.name(log.name()), output.left());
     run.run_watched(|| match output {
         Output::InPlace => in_place(log, &run),

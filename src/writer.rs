@@ -22,7 +22,7 @@ mod summary;
 use std::collections::BTreeMap;
 
 pub use append::Appender;
-pub use error::{IdKind, WriteError};
+pub use error::{IdKind, SpecialFile, WriteError};
 pub use interleave::Interleaver;
 use serde::Serialize;
 

@@ -107,9 +107,9 @@ fn of_writing(error: &WriteError) -> Option<&'static str> {
             "choose another output with -o, or replace it with --force"
         }
         WriteError::OutputIsFolder { .. } => "name the output's file with -o",
-        WriteError::OutputIsInput { .. } | WriteError::CannotCreate { .. } => {
-            "choose another output with -o"
-        }
+        WriteError::OutputIsSpecial { .. }
+        | WriteError::OutputIsInput { .. }
+        | WriteError::CannotCreate { .. } => "choose another output with -o",
         WriteError::NoFolder { .. } => "create it, or choose another output with -o",
         WriteError::JournalInTheWay { .. } => {
             "recover that log with `flightcam restore`, remove the journal if that log is lost, or choose another \

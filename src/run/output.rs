@@ -1,12 +1,13 @@
 //! Where a result goes.
 
 use std::{
-    fs::File,
-    io::Write,
+    fs::{File, OpenOptions},
+    io::{IsTerminal, Write},
     path::{Path, PathBuf},
 };
 
 use super::Left;
+use crate::writer::{SpecialFile, WriteError};
 
 /// Where a result goes. Any path is one: that of a new file.
 #[non_exhaustive]
@@ -63,6 +64,26 @@ impl<'a> Output<'a> {
         }
     }
 
+    /// Opens an output that has a path and is not a regular file: a pipe, or a device that takes a stream of bytes. It is
+    /// written to, never replaced.
+    ///
+    /// # Errors
+    /// It cannot be opened, or it is something that no log can be written to.
+    pub(crate) fn open_special(self) -> Result<Self, WriteError> {
+        match self {
+            Self::File { path, .. } if special::is_special(&path)? => {
+                let handle = OpenOptions::new().write(true).open(&path);
+                let handle = handle.map_err(|source| WriteError::output(&path, source))?;
+                if handle.is_terminal() {
+                    let kind = SpecialFile::Terminal;
+                    return Err(WriteError::OutputIsSpecial { path, kind });
+                }
+                Ok(Self::Handle { name: path, handle })
+            }
+            other => Ok(other),
+        }
+    }
+
     /// What an interrupted run leaves there.
     pub(crate) fn left(&self) -> Left {
         match self {
@@ -79,5 +100,55 @@ impl<P: AsRef<Path>> From<P> for Output<'_> {
             path: path.as_ref().into(),
             overwrite: false,
         }
+    }
+}
+
+#[cfg(unix)]
+mod special {
+    use std::{fs, os::unix::fs::FileTypeExt, path::Path};
+
+    use crate::{
+        fs::folder_of,
+        writer::{SpecialFile, WriteError},
+    };
+
+    /// Whether a path is that of something that is written to and not replaced.
+    pub fn is_special(path: &Path) -> Result<bool, WriteError> {
+        let Ok(metadata) = fs::metadata(path) else {
+            return Ok(false);
+        };
+        let kind = metadata.file_type();
+        let refuse = |kind| {
+            Err(WriteError::OutputIsSpecial {
+                path: path.into(),
+                kind,
+            })
+        };
+        if kind.is_block_device() {
+            return refuse(SpecialFile::BlockDevice);
+        }
+        if kind.is_socket() {
+            return refuse(SpecialFile::Socket);
+        }
+        Ok(kind.is_fifo() || kind.is_char_device() || (kind.is_file() && is_link_of_system(path)))
+    }
+
+    /// Whether a path is a link that belongs to the system, such as `/dev/stdout`: its target is an open file.
+    fn is_link_of_system(path: &Path) -> bool {
+        let is_link = fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink());
+        let folder = fs::canonicalize(folder_of(path)).unwrap_or_default();
+        is_link && (folder == Path::new("/dev") || folder.starts_with("/proc"))
+    }
+}
+
+#[cfg(not(unix))]
+mod special {
+    use std::path::Path;
+
+    use crate::writer::WriteError;
+
+    /// A path is always that of a regular file here.
+    pub fn is_special(_path: &Path) -> Result<bool, WriteError> {
+        Ok(false)
     }
 }

@@ -61,6 +61,9 @@ pub enum WriteError {
     #[error("{}: is a folder", path.display())]
     OutputIsFolder { path: PathBuf },
 
+    #[error("{}: is {kind}, to which no log can be written", path.display())]
+    OutputIsSpecial { path: PathBuf, kind: SpecialFile },
+
     #[error("{}: the output would replace the input", path.display())]
     OutputIsInput { path: PathBuf },
 
@@ -85,6 +88,19 @@ pub enum IdKind {
     Schema,
     #[error("channel")]
     Channel,
+}
+
+/// A kind of file that is neither a regular file nor anything that a stream of bytes can be written to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum SpecialFile {
+    #[error("a block device")]
+    BlockDevice,
+    #[error("a socket")]
+    Socket,
+    #[error("a terminal")]
+    Terminal,
 }
 
 impl WriteError {

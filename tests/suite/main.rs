@@ -91,6 +91,7 @@ mod transform {
 
 mod writer {
     mod append;
+    mod destination;
     mod interleave;
     // Recovery after an interrupted change.
     mod journal;

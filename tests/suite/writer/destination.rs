@@ -1,0 +1,201 @@
+//! Where a result may go: what a path names is replaced only if it is a regular file, and only on demand.
+#![cfg(unix)]
+
+use std::{
+    fs,
+    os::unix::{
+        fs::{FileTypeExt, symlink},
+        net::UnixListener,
+    },
+    path::PathBuf,
+    process::Command,
+    thread,
+};
+
+use assert_cmd::cargo::cargo_bin;
+
+use crate::support::{folder::*, *};
+
+const ENRICH: &str = "enrich flight.mcap --depression 30 --quiet -o";
+
+fn log_and_result() -> (Vec<u8>, Vec<u8>) {
+    let log = mixed_log();
+    let (result, _) = enrich_bytes(&log).expect("a result");
+    (log, result)
+}
+
+/// A folder with an enriched log under the name `result.mcap`, too.
+fn folder() -> Folder {
+    let (log, result) = log_and_result();
+    let folder = Folder::with(LOG, log);
+    folder.add("result.mcap", result);
+    folder
+}
+
+/// Runs a tool that makes something special in a folder. `None`, with a message, if that is not allowed.
+fn make(folder: &Folder, tool: &str) -> Option<PathBuf> {
+    let mut words = tool.split(' ');
+    let mut command = Command::new(words.next().expect("a tool"));
+    let made = command.args(words).current_dir(folder.path("")).status();
+    if !made.is_ok_and(|status| status.success()) {
+        eprintln!("skipped: `{tool}` does not work here");
+        return None;
+    }
+    let name = tool.split(' ').nth(1).expect("a name");
+    Some(folder.path(name))
+}
+
+#[test]
+fn a_named_pipe_is_written_to_and_stays_one() {
+    let (log, result) = log_and_result();
+    let folder = folder();
+    let Some(pipe) = make(&folder, "mkfifo pipe") else {
+        return;
+    };
+    for (arguments, expected) in [
+        (format!("{ENRICH} pipe"), &result),
+        (format!("{ENRICH} pipe --force"), &result),
+        (
+            "restore result.mcap --quiet -o pipe --force".to_owned(),
+            &log,
+        ),
+    ] {
+        let reader = {
+            let pipe = pipe.clone();
+            thread::spawn(move || fs::read(pipe).expect("it is read"))
+        };
+        folder.run(&arguments, 0);
+        assert!(
+            reader.join().expect("what came") == *expected,
+            "{arguments}"
+        );
+        assert!(fs::metadata(&pipe).expect("the pipe").file_type().is_fifo());
+    }
+}
+
+#[test]
+fn a_device_is_written_to_and_stays_one() {
+    let folder = folder();
+    // Those of the system are not put at risk.
+    let devices = [("null", "mknod null c 1 3"), ("full", "mknod full c 1 7")];
+    for (name, tool) in devices {
+        let Some(device) = make(&folder, tool) else {
+            return;
+        };
+        symlink(name, folder.path("link")).expect("a link");
+        for output in [name, "link"] {
+            for command in [ENRICH, "restore result.mcap --quiet -o"] {
+                for force in ["", " --force"] {
+                    let arguments = format!("{command} {output}{force}");
+                    let (_, err) = folder.run(&arguments, i32::from(name == "full"));
+                    assert_eq!(err.contains("No space left"), name == "full", "{err}");
+                    let kind = fs::symlink_metadata(&device)
+                        .expect("the device")
+                        .file_type();
+                    assert!(kind.is_char_device(), "{arguments}");
+                }
+            }
+        }
+        assert!(
+            fs::symlink_metadata(folder.path("link"))
+                .expect("the link")
+                .is_symlink()
+        );
+        fs::remove_file(folder.path("link")).expect("removed");
+    }
+}
+
+#[test]
+fn a_block_device_and_a_socket_are_refused() {
+    let folder = folder();
+    let _socket = UnixListener::bind(folder.path("socket")).expect("a socket");
+    let is_socket = |name| {
+        fs::metadata(folder.path(name))
+            .expect("it")
+            .file_type()
+            .is_socket()
+    };
+    let mut cases = vec![("socket", "a socket")];
+    if make(&folder, "mknod disk b 7 200").is_some() {
+        cases.push(("disk", "a block device"));
+    }
+    for (name, kind) in cases {
+        let message = format!(
+            "error: {name}: is {kind}, to which no log can be written\nhint: choose another output"
+        );
+        for force in ["", " --force"] {
+            let (out, err) = folder.run(&format!("{ENRICH} {name}{force}"), 1);
+            assert_eq!(out, "");
+            assert_reads(&err, &format!("{message}…"));
+            assert!(is_socket(name) || name == "disk");
+            let metadata = fs::metadata(folder.path(name)).expect("it is there");
+            assert!(!metadata.is_file());
+        }
+    }
+}
+
+#[test]
+fn the_systems_name_of_an_open_file_is_not_replaced() {
+    let (_, result) = log_and_result();
+    let folder = folder();
+    for force in ["", " --force"] {
+        let script = format!("\"$0\" {ENRICH} /proc/self/fd/1{force} > redirected.mcap");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script]).arg(cargo_bin!("flightcam"));
+        let status = shell
+            .current_dir(folder.path(""))
+            .status()
+            .expect("a shell");
+        if !std::path::Path::new("/proc/self/fd").exists() {
+            eprintln!("skipped: there is no /proc");
+            return;
+        }
+        assert!(status.success());
+        assert!(folder.read("redirected.mcap") == result);
+    }
+}
+
+#[test]
+fn a_link_is_replaced_on_demand_and_what_it_leads_to_stays() {
+    let (_, result) = log_and_result();
+    for target in ["notes.txt", "nowhere"] {
+        let folder = folder();
+        folder.add("notes.txt", "of the flight");
+        symlink(target, folder.path("link.mcap")).expect("a link");
+        let (_, err) = folder.run(&format!("{ENRICH} link.mcap"), 1);
+        assert_reads(&err, "error: link.mcap: exists already…");
+        assert_eq!(
+            fs::read_link(folder.path("link.mcap")).expect("a link"),
+            PathBuf::from(target)
+        );
+        folder.run(&format!("{ENRICH} link.mcap --force"), 0);
+        let kind = fs::symlink_metadata(folder.path("link.mcap")).expect("the result");
+        assert!(kind.is_file());
+        assert!(folder.read("link.mcap") == result);
+        assert_eq!(folder.read("notes.txt"), b"of the flight");
+        assert!(!folder.path("nowhere").exists());
+    }
+}
+
+#[test]
+fn a_regular_file_is_replaced_on_demand_only() {
+    let (log, result) = log_and_result();
+    let folder = folder();
+    folder.add("other.mcap", "of another flight");
+    folder.refuses(
+        &format!("{ENRICH} other.mcap"),
+        1,
+        "other.mcap: exists already",
+    );
+    folder.run(&format!("{ENRICH} other.mcap --force"), 0);
+    assert!(folder.read("other.mcap") == result);
+    folder.refuses(
+        "restore result.mcap -o other.mcap",
+        1,
+        "other.mcap: exists already",
+    );
+    folder.run("restore result.mcap -o other.mcap --force --quiet", 0);
+    assert!(folder.read("other.mcap") == log);
+    let names: Vec<_> = folder.contents().into_keys().collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+}
