@@ -7,6 +7,7 @@ mod hint;
 mod input_output;
 mod inspect;
 mod manual;
+mod print;
 mod profiles;
 mod progress;
 mod report;
@@ -14,15 +15,11 @@ mod restore;
 mod telemetry;
 mod words;
 
-use std::{
-    io::{self, Write},
-    path::Path,
-    process::ExitCode,
-};
+use std::{path::Path, process::ExitCode};
 
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
-use flightcam::{Error, writer::journal::Interrupted};
-use serde::Serialize;
+use flightcam::{Error, text, writer::journal::Interrupted};
+use print::{complain, exit_with};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -76,7 +73,10 @@ pub fn run() -> ExitCode {
     // Report hitting the file-size limit as a write error; by default SIGXFSZ would kill the process.
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
-    let result = match Cli::parse().command {
+    let result = match Cli::try_parse()
+        .unwrap_or_else(|error| exit_with(error))
+        .command
+    {
         Command::Enrich(arguments) => enrich::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Restore(arguments) => restore::run(&arguments),
@@ -92,21 +92,16 @@ pub fn run() -> ExitCode {
         .into()
 }
 
-/// Writes to standard error. A failure to do so is ignored.
-fn complain(what: &str, message: &str) {
-    let _ = writeln!(io::stderr(), "{what}: {message}");
-}
-
 /// Says that an interrupted change of a log is about to be undone.
 fn announce(interrupted: &Interrupted) {
     let Interrupted { log, journal, .. } = interrupted;
-    let journal = journal.file_name().unwrap_or_default();
+    let journal = Path::new(journal.file_name().unwrap_or_default());
     complain(
         "note",
         &format!(
             "{}: an earlier run was interrupted while it changed the log; first the log gets its old end back, from {}",
-            log.display(),
-            Path::new(journal).display(),
+            text::path(log),
+            text::path(journal),
         ),
     );
 }
@@ -129,32 +124,10 @@ fn exit_for(error: &Error) -> Exit {
 
 /// Ends the process because of arguments that do not go together.
 fn wrong_arguments(kind: ErrorKind, problem: &str) -> ! {
-    Cli::command().error(kind, problem).exit()
+    exit_with(Cli::command().error(kind, problem))
 }
 
 fn number(text: &str) -> Result<f64, String> {
     text.parse()
         .map_err(|_| "not a number; write it as 30 or 30.5".to_owned())
-}
-
-/// Formats a report for scripts.
-fn to_json(report: &impl Serialize) -> String {
-    serde_json::to_string_pretty(report).expect("reports have only string keys")
-}
-
-/// Writes a result to standard output. A reader that stops reading early is not an error; any other failure only causes
-/// a warning, because the work itself is done.
-fn print_result(text: &str) {
-    let mut out = io::stdout().lock();
-    match writeln!(out, "{text}").and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            complain("warning", &format!("cannot write the report: {error}"));
-        }
-        _ => {}
-    }
-}
-
-/// Writes a result to standard error, because standard output is used for something else.
-fn print_aside(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
 }

@@ -17,6 +17,7 @@ use serde::{Serialize, Serializer};
 
 use crate::{
     camera::{Camera, CameraError},
+    decode::path::FieldPath,
     derived::Quantity,
     error::Error,
     log::{Access, Log, SegmentReader, contents::Segment},
@@ -26,6 +27,7 @@ use crate::{
     run::{Input, RunError},
     sample::{Kind, Sample, Tallies, Tally},
     source::{Origin, RunnerUp, Source, error::Misfit},
+    text::Foreign,
     writer::original::Original,
 };
 pub use first_sample::FirstSample;
@@ -96,7 +98,7 @@ pub struct Telemetry {
     /// How the log names it.
     pub profile: ProfileReport,
     /// The prefix of the vehicle's topics; empty if they have none.
-    pub namespace: String,
+    pub namespace: Foreign,
     /// The other profiles that were tried, the better ones first.
     pub runners_up: Vec<RunnerUp>,
     /// How the camera is mounted; absent if that is not known.
@@ -127,13 +129,13 @@ pub enum RoleReport {
 #[non_exhaustive]
 pub struct FoundRole {
     /// Their topic.
-    pub topic: String,
+    pub topic: Foreign,
     /// The fields that are read.
-    pub fields: Vec<String>,
+    pub fields: Vec<FieldPath>,
     /// How they are encoded.
-    pub encoding: String,
+    pub encoding: Foreign,
     /// Their type.
-    pub schema: String,
+    pub schema: Foreign,
     /// How many there are.
     pub messages: u64,
     /// Log times of the first and the last, nanoseconds.
@@ -165,7 +167,7 @@ impl FoundRole {
         let of_topic = || {
             log.contents
                 .channels_with_messages()
-                .filter(|(channel, _)| channel.topic == role.topic)
+                .filter(|(channel, _)| role.topic == channel.topic)
         };
         let (channel, _) = of_topic().next().expect("a role has a channel");
         let schema = log.contents.schema_of(channel);
@@ -178,9 +180,9 @@ impl FoundRole {
         let read = tally.total();
         Self {
             topic: role.topic.clone(),
-            fields: role.fields.iter().map(ToString::to_string).collect(),
-            encoding: channel.message_encoding.clone(),
-            schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
+            fields: role.fields.clone(),
+            encoding: (&channel.message_encoding).into(),
+            schema: schema.map_or("", |schema| schema.name.as_str()).into(),
             messages: times.len() as u64,
             times: [start, end],
             rate_hz: (seconds > 0.0).then(|| (times.len() - 1) as f64 / seconds),
@@ -221,13 +223,13 @@ pub struct Planned {
 #[non_exhaustive]
 pub struct TopicGroup {
     /// The package of their message types, or the only type.
-    pub schemas: String,
+    pub schemas: Foreign,
     /// How their messages are encoded.
-    pub encoding: String,
+    pub encoding: Foreign,
     /// How many messages they have.
     pub messages: u64,
     /// Their names.
-    pub topics: BTreeSet<String>,
+    pub topics: BTreeSet<Foreign>,
 }
 
 /// Looks at a log as [`enrich`](crate::enrich()) would with these options.
@@ -303,7 +305,7 @@ impl Telemetry {
         });
         let mut telemetry = Self {
             profile: ProfileReport::new(source, &options.telemetry.profile),
-            namespace: source.namespace().to_owned(),
+            namespace: source.namespace().into(),
             runners_up: source.runners_up.clone(),
             camera: camera.map(CameraReport::from),
             roles: roles.collect(),
@@ -394,13 +396,13 @@ fn group_topics(log: &Log, used: &BTreeSet<&str>) -> Vec<TopicGroup> {
         let group = groups
             .entry(key)
             .or_insert_with_key(|(schemas, encoding)| TopicGroup {
-                schemas: schemas.clone(),
-                encoding: encoding.clone(),
+                schemas: schemas.into(),
+                encoding: encoding.into(),
                 messages: 0,
                 topics: BTreeSet::new(),
             });
         group.messages += count;
-        group.topics.insert(channel.topic.clone());
+        group.topics.insert((&channel.topic).into());
     }
     groups.into_values().collect()
 }

@@ -34,6 +34,7 @@
 //!
 //! | module | subject | knows |
 //! | --- | --- | --- |
+//! | `text` | text that flightcam did not write, as people get to read it | nothing |
 //! | `geometry` | frames and rotations: pure functions | nothing |
 //! | `sample` | what flows from reader to transform | nothing |
 //! | `derived` | what flows from transform to writer | geometry, sample |
@@ -59,6 +60,7 @@
 //! Reader and writer never know each other. Only the command line, in the binary, prints, and only it names options.
 //! CONTRIBUTING.md says where a change goes.
 #![forbid(unsafe_code)]
+#![deny(clippy::disallowed_methods, clippy::print_stdout, clippy::print_stderr)]
 #![warn(missing_docs)]
 
 pub mod error;
@@ -94,6 +96,8 @@ pub mod run;
 pub mod sample;
 #[doc(hidden)]
 pub mod source;
+#[doc(hidden)]
+pub mod text;
 #[doc(hidden)]
 pub mod transform;
 #[doc(hidden)]
@@ -139,6 +143,7 @@ pub use source::{
     profile::ProfileChoice,
     request::{BadArgument, Request, RoleArgument},
 };
+pub use text::Foreign;
 pub use transform::{Breaks, MaxGap, MaxGapOutOfRange, Outcome};
 pub use watch::{Progress, Watch};
 pub use writer::{Layout, provenance::EarlierRun};

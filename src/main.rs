@@ -1,5 +1,6 @@
 //! Parse, run, exit code.
 #![forbid(unsafe_code)]
+#![deny(clippy::disallowed_methods, clippy::print_stdout, clippy::print_stderr)]
 
 mod cli;
 

@@ -19,6 +19,7 @@ use crate::{
     messages::{Encoding, EncodingChoice},
     sample::{Kind, Tallies, Tally},
     source::{Origin, Source, profile::ProfileChoice},
+    text::Foreign,
     transform::Breaks,
     writer::Layout,
 };
@@ -70,7 +71,7 @@ pub struct Report {
 #[non_exhaustive]
 pub struct ProfileReport {
     /// The profile's own name.
-    pub name: String,
+    pub name: Foreign,
     /// Who chose it.
     pub chosen: Chosen,
     /// Where it finds the attitude, by which profiles are chosen.
@@ -90,7 +91,7 @@ pub enum Chosen {
 impl ProfileReport {
     pub(crate) fn new(source: &Source, choice: &ProfileChoice) -> Self {
         Self {
-            name: source.profile.name.clone(),
+            name: (&source.profile.name).into(),
             chosen: match choice {
                 ProfileChoice::Automatic => Chosen::Automatically,
                 ProfileChoice::Given(_) => Chosen::ByRequest,
@@ -149,9 +150,9 @@ pub struct EncodingReport {
     /// Who chose it.
     pub chosen: Chosen,
     /// The topic of the attitude.
-    pub telemetry_topic: String,
+    pub telemetry_topic: Foreign,
     /// How the messages on that topic are encoded.
-    pub telemetry_encoding: String,
+    pub telemetry_encoding: Foreign,
 }
 
 impl EncodingReport {
@@ -162,8 +163,8 @@ impl EncodingReport {
                 EncodingChoice::Automatic => Chosen::Automatically,
                 EncodingChoice::Given(_) => Chosen::ByRequest,
             },
-            telemetry_topic: telemetry.topic.clone(),
-            telemetry_encoding: telemetry.message_encoding.clone(),
+            telemetry_topic: (&telemetry.topic).into(),
+            telemetry_encoding: (&telemetry.message_encoding).into(),
         }
     }
 }
@@ -173,7 +174,7 @@ impl EncodingReport {
 #[non_exhaustive]
 pub struct SampleReport {
     /// Where the samples come from; absent if the log has none.
-    pub topic: Option<String>,
+    pub topic: Option<Foreign>,
     /// How many were used, and how many were not, for which reason.
     #[serde(flatten)]
     pub tally: Tally,

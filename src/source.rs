@@ -22,6 +22,7 @@ use crate::{
     decode::path::FieldPath,
     log::{Log, record::RawMessage},
     sample::{DropReason, Kind, Sample},
+    text::{self, Foreign},
 };
 use channel::{ChannelReader, LargestAngles};
 use error::Misfit;
@@ -44,7 +45,7 @@ pub struct Source {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Origin {
     /// The topic.
-    pub topic: String,
+    pub topic: Foreign,
     /// The fields of its messages.
     pub fields: Vec<FieldPath>,
 }
@@ -53,7 +54,7 @@ pub struct Origin {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunnerUp {
     /// The profile's own name.
-    pub profile: String,
+    pub profile: Foreign,
     /// Where it finds the attitude, if it fits, though not as well; or why it does not fit.
     pub attitude: Result<Origin, Misfit>,
 }
@@ -74,7 +75,7 @@ impl Source {
         let channels = log.contents.definitions.channels.values();
         let mut of_source =
             channels.filter(|channel| self.channels.contains_key(&channel.record.id));
-        let attitude = of_source.find(|channel| channel.record.topic == self.attitude().topic);
+        let attitude = of_source.find(|channel| self.attitude().topic == channel.record.topic);
         &attitude
             .expect("a source has a channel with the attitude")
             .record
@@ -138,8 +139,8 @@ impl Source {
 
 impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let fields: Vec<String> = self.fields.iter().map(FieldPath::to_string).collect();
-        write!(f, "{} has {}", self.topic, fields.join(", "))
+        let fields = text::join(&self.fields, ", ");
+        write!(f, "{} has {fields}", self.topic)
     }
 }
 

@@ -4,7 +4,7 @@ use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
 use flightcam::Error;
 
-use super::{Cli, Exit, print_result};
+use super::{Cli, Exit, print::print_result};
 
 /// Print a script that lets a shell complete flightcam's commands and options
 #[derive(Debug, Args)]

@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum, builder::PossibleValue, error::ErrorKind};
 use flightcam::{
     Error, Options, Output, Report, enrich,
     messages::{Encoding, EncodingChoice},
+    text,
     transform::MaxGap,
     writer::Layout,
 };
@@ -16,13 +17,13 @@ use flightcam::{
 use super::{
     Exit, announce,
     camera::CameraArguments,
-    complain,
     input_output::{input, is_pipe, output},
-    number, print_aside, print_result,
+    number,
+    print::{complain, print_aside, print_result, to_json},
     progress::Bar,
     report::describe,
     telemetry::{EXAMPLES, TelemetryArguments},
-    to_json, words, wrong_arguments,
+    words, wrong_arguments,
 };
 
 const USUAL: &str = "\
@@ -182,7 +183,7 @@ impl Arguments {
     fn print(&self, report: &Report) {
         let text = match (self.json, self.quiet) {
             (true, _) => Some(to_json(report)),
-            (false, false) => Some(describe(report)),
+            (false, false) => Some(describe(report).text().to_owned()),
             (false, true) => None,
         };
         match text {
@@ -194,7 +195,7 @@ impl Arguments {
             for note in &report.notes {
                 complain(
                     "warning",
-                    &format!("{}: {}", self.input.display(), words::note(note)),
+                    &format!("{}: {}", text::path(&self.input), words::note(note)),
                 );
             }
         }

@@ -31,6 +31,10 @@ pub fn input(name: &Path) -> Result<Input<'static>, Error> {
 }
 
 /// The output with this name. A terminal as standard output ends the process here.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "what is written is a log, not text"
+)]
 pub fn output(name: &Path, overwrite: bool) -> Result<Output<'static>, Error> {
     if !is_pipe(name) {
         let path = name.into();

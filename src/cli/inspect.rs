@@ -4,10 +4,11 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
 use flightcam::{
-    Error, Options,
+    Error, Foreign, Options,
     inspect::{FoundRole, Inspection, Planned, RoleReport, Telemetry, TopicGroup, inspect},
     sample::Kind,
     source::RunnerUp,
+    text,
 };
 use indicatif::{HumanBytes, HumanCount};
 
@@ -16,9 +17,8 @@ use super::{
     camera::CameraArguments,
     explain,
     input_output::input,
-    print_result,
+    print::{Page, print_result, to_json},
     telemetry::{EXAMPLES, TelemetryArguments},
-    to_json,
     words::{self, plural},
 };
 
@@ -54,74 +54,70 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .telemetry(arguments.telemetry.request()?)
         .on_recovery(announce);
     let inspection = inspect(input(&arguments.input)?, &options)?;
-    print_result(&if arguments.json {
-        to_json(&inspection)
-    } else {
-        describe(&inspection)
-    });
+    match arguments.json {
+        true => print_result(&to_json(&inspection)),
+        false => print_result(describe(&inspection).text()),
+    }
     Ok(match inspection.problem {
         None => Exit::Done,
         Some(_) => Exit::Failed,
     })
 }
 
-fn describe(inspection: &Inspection) -> String {
-    let mut text = String::new();
-    let mut line = |label: &str, content: &str| {
-        let _ = writeln!(text, "{label:<12}{content}");
-    };
-    line("Log", &describe_log(inspection));
+fn describe(inspection: &Inspection) -> Page {
+    let mut page = Page::default();
+    page.line("Log", describe_log(inspection));
     if inspection.scanned {
-        line(
+        page.line(
             "",
             "the whole log was read, because it has no complete summary",
         );
     }
     if let Some(telemetry) = &inspection.telemetry {
-        describe_telemetry(&mut line, telemetry);
+        describe_telemetry(&mut page, telemetry);
     }
     for note in &inspection.notes {
-        line("Note", &words::note(note));
+        page.line("Note", words::note(note));
     }
     if let Some(telemetry) = &inspection.telemetry {
-        let _ = write!(text, "\n{}", table(telemetry));
+        page.paragraph(&table(telemetry));
         if !inspection.other_topics.is_empty() {
-            text.push_str("\nOther topics\n");
-        }
-        for group in &inspection.other_topics {
-            let _ = writeln!(text, "  {}", describe_group(group));
+            let groups = inspection.other_topics.iter().map(describe_group);
+            page.paragraph(&format!("Other topics\n{}", text::join(groups, "\n")));
         }
     }
-    let _ = match (&inspection.problem, &inspection.telemetry) {
+    match (&inspection.problem, &inspection.telemetry) {
         // If there is no telemetry, the problem lists the other topics.
-        (Some(problem), _) => write!(text, "\nenrich would fail: {}", explain(problem.error())),
-        (None, Some(telemetry)) => write!(text, "\n{}", describe_plan(telemetry)),
-        (None, None) => Ok(()),
-    };
-    text.trim_end().to_owned()
+        (Some(problem), _) => {
+            page.paragraph(&format!("enrich would fail: {}", explain(problem.error())));
+        }
+        (None, Some(telemetry)) => page.paragraph(&describe_plan(telemetry)),
+        (None, None) => {}
+    }
+    page
 }
 
 fn describe_log(inspection: &Inspection) -> String {
-    let name = inspection.input.display();
+    let name = text::path(&inspection.input);
     let bytes = HumanBytes(inspection.bytes);
     let messages = plural(inspection.messages, "message");
     let topics = plural(inspection.topics as u64, "topic");
     format!("{name}: {bytes}, {messages} on {topics}")
 }
 
-fn describe_telemetry(line: &mut impl FnMut(&str, &str), telemetry: &Telemetry) {
-    line("Profile", &words::profile(&telemetry.profile));
+fn describe_telemetry(page: &mut Page, telemetry: &Telemetry) {
+    page.line("Profile", words::profile(&telemetry.profile));
     for RunnerUp { profile, attitude } in &telemetry.runners_up {
         if let Ok(attitude) = attitude {
-            line("", &format!("{profile} fits less well: {attitude}"));
+            page.line("", format!("{profile} fits less well: {attitude}"));
         }
     }
     if !telemetry.namespace.is_empty() {
-        line("Vehicle", &telemetry.namespace);
+        page.line("Vehicle", &telemetry.namespace);
     }
-    line(
+    page.line(
         "Camera",
-        &match &telemetry.camera {
+        match &telemetry.camera {
             Some(camera) => words::camera(camera),
             None => "not known from the log; give enrich --depression or --mount".to_owned(),
         },
@@ -129,28 +125,28 @@ fn describe_telemetry(line: &mut impl FnMut(&str, &str), telemetry: &Telemetry) 
     for kind in Kind::LISTED {
         let label = words::label(kind);
         match telemetry.roles.get(&kind) {
-            Some(RoleReport::Found(found)) => describe_role(line, &label, found),
-            Some(RoleReport::Missing { missing }) => line(&label, &format!("none: {missing}")),
+            Some(RoleReport::Found(found)) => describe_role(page, &label, found),
+            Some(RoleReport::Missing { missing }) => page.line(&label, format!("none: {missing}")),
             None => {}
         }
     }
 }
 
-fn describe_role(line: &mut impl FnMut(&str, &str), label: &str, found: &FoundRole) {
+fn describe_role(page: &mut Page, label: &str, found: &FoundRole) {
     let FoundRole {
         topic,
         schema,
         encoding,
         ..
     } = found;
-    let kind = match schema.as_str() {
-        "" => encoding.clone(),
-        schema => format!("{schema}, {encoding}"),
+    let kind = match schema.is_empty() {
+        true => encoding.to_string(),
+        false => format!("{schema}, {encoding}"),
     };
-    let fields = found.fields.join(", ");
-    line(label, &format!("{topic} ({kind}): {fields}"));
+    let fields = text::join(&found.fields, ", ");
+    page.line(label, format!("{topic} ({kind}): {fields}"));
     if let Some(first) = &found.first {
-        line("", &format!("at first {}", words::first_sample(first)));
+        page.line("", format!("at first {}", words::first_sample(first)));
     }
     let of_how_many = match found.read == found.messages {
         true => String::new(),
@@ -158,7 +154,7 @@ fn describe_role(line: &mut impl FnMut(&str, &str), label: &str, found: &FoundRo
     };
     for (reason, count) in &found.tally.dropped {
         let count = HumanCount(*count);
-        line("", &format!("{count}{of_how_many} {reason}"));
+        page.line("", format!("{count}{of_how_many} {reason}"));
     }
 }
 
@@ -245,23 +241,23 @@ fn describe_plan(telemetry: &Telemetry) -> String {
 }
 
 fn describe_group(group: &TopicGroup) -> String {
-    let schemas = match group.schemas.as_str() {
-        "" => "without schema",
-        schemas => schemas,
+    let schemas = match group.schemas.is_empty() {
+        true => "without schema".to_owned(),
+        false => group.schemas.to_string(),
     };
     let messages = plural(group.messages, "message");
-    let topics: Vec<&str> = group.topics.iter().map(String::as_str).collect();
+    let topics: Vec<&Foreign> = group.topics.iter().collect();
     let encoding = &group.encoding;
     if let [topic] = topics[..] {
-        return format!("{schemas} ({encoding}): {messages} on {topic}");
+        return format!("  {schemas} ({encoding}): {messages} on {topic}");
     }
-    let named = topics[..topics.len().min(NAMED)].join(", ");
+    let named = text::join(topics.iter().take(NAMED), ", ");
     let more = match topics.len().saturating_sub(NAMED) {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
     format!(
-        "{schemas} ({encoding}): {messages} on {} topics\n    {named}{more}",
+        "  {schemas} ({encoding}): {messages} on {} topics\n    {named}{more}",
         topics.len()
     )
 }

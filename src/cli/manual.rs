@@ -9,7 +9,10 @@ use clap_mangen::{
 };
 use flightcam::Error;
 
-use super::{Cli, Exit, complain, print_result};
+use super::{
+    Cli, Exit,
+    print::{complain, print_result},
+};
 
 /// Print the manual page, or write one for each command
 #[derive(Debug, Args)]

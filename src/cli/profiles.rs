@@ -3,7 +3,7 @@
 use clap::Args;
 use flightcam::{Error, source::profile::Profile};
 
-use super::{Exit, print_result};
+use super::{Exit, print::print_result};
 
 /// List the built-in profiles, or print one as a starting point for your own
 #[derive(Debug, Args)]

@@ -30,6 +30,7 @@ struct State {
 }
 
 impl Bar {
+    #[expect(clippy::disallowed_methods, reason = "nothing is printed")]
     pub fn new(is_quiet: bool) -> Self {
         Self(Arc::new(State {
             is_wanted: !is_quiet && io::stderr().is_terminal(),

@@ -1,20 +1,20 @@
 //! `flightcam restore`: an enriched log in, the original out.
 
-use std::{fmt::Write as _, path::PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use flightcam::{
     Error, Output, Watch,
     restore::{Restored, restore},
+    text,
 };
 use indicatif::HumanCount;
 
 use super::{
     Exit, announce,
     input_output::{input, is_pipe, output},
-    print_aside, print_result,
+    print::{Page, print_aside, print_result, to_json},
     progress::Bar,
-    to_json,
 };
 
 /// Turn an enriched log back into the original, byte for byte
@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let restored = restored?;
     let text = match (arguments.json, arguments.quiet) {
         (true, _) => to_json(&restored),
-        (false, false) => describe(&restored),
+        (false, false) => describe(&restored).text().to_owned(),
         (false, true) => return Ok(Exit::Done),
     };
     match to_stdout {
@@ -69,27 +69,20 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::Done)
 }
 
-fn describe(restored: &Restored) -> String {
-    let mut text = String::new();
-    let mut line = |label: &str, content: &str| {
-        let _ = writeln!(text, "{label:<12}{content}");
-    };
-    line("Log", &restored.input.display().to_string());
+fn describe(restored: &Restored) -> Page {
+    let mut page = Page::default();
+    page.line("Log", text::path(&restored.input));
     if restored.recovered {
-        line(
+        page.line(
             "Undone",
             "an earlier run that was interrupted while it changed the log",
         );
     }
     if let Some(earlier) = &restored.undone {
-        line("Undone", &format!("what flightcam added ({earlier})"));
+        page.line("Undone", format!("what flightcam added ({earlier})"));
     }
     let bytes = HumanCount(restored.bytes);
-    let _ = write!(
-        text,
-        "{:<12}{}, {bytes} bytes",
-        "Result",
-        restored.output.display()
-    );
-    text
+    let output = text::path(&restored.output);
+    page.line("Result", format!("{output}, {bytes} bytes"));
+    page
 }

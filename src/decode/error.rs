@@ -7,7 +7,10 @@ use super::{
     path::FieldPath,
     schema::SUPPORTED,
 };
-use crate::log::ReadError;
+use crate::{
+    log::ReadError,
+    text::{self, Foreign, escaped},
+};
 
 /// The most field names that an error message lists.
 const LISTED: usize = 40;
@@ -18,20 +21,20 @@ const LISTED: usize = 40;
 pub enum SchemaError {
     #[error(
         "its messages are encoded as `{message_encoding}` {}; flightcam reads {SUPPORTED}",
-        match schema_encoding.as_str() {
-            "" => "without a schema".to_owned(),
-            encoding => format!("with a schema in `{encoding}`"),
+        match schema_encoding.is_empty() {
+            true => "without a schema".to_owned(),
+            false => format!("with a schema in `{schema_encoding}`"),
         }
     )]
     Encoding {
-        message_encoding: String,
-        schema_encoding: String,
+        message_encoding: Foreign,
+        schema_encoding: Foreign,
     },
-    #[error("its protobuf schema cannot be read: {0}")]
+    #[error("its protobuf schema cannot be read: {}", escaped(.0))]
     ProtobufSchema(prost_reflect::DescriptorError),
     #[error("its protobuf schema does not define `{name}`")]
-    UndefinedProtobufMessage { name: String },
-    #[error("its JSON schema cannot be read: {0}")]
+    UndefinedProtobufMessage { name: Foreign },
+    #[error("its JSON schema cannot be read: {}", escaped(.0))]
     JsonSchema(serde_json::Error),
     #[error("its ROS message definition cannot be used: {0}")]
     RosDefinition(#[from] RosDefinitionError),
@@ -40,7 +43,7 @@ pub enum SchemaError {
         missing: Vec<FieldPath>,
         /// The place where the first of them was looked for.
         place: Listing,
-        available: Vec<String>,
+        available: Vec<Foreign>,
     },
     #[error("its field `{path}` does not exist, because `{through}` is {kind}")]
     NotThere {
@@ -65,7 +68,7 @@ pub enum SchemaError {
         "nothing after the field `{field}` can be read, because there is a `wstring` in it, \
          which ROS 2's implementations write in different ways"
     )]
-    AfterWideText { field: String },
+    AfterWideText { field: Foreign },
     #[error(transparent)]
     Unreadable(#[from] ReadError),
 }
@@ -75,24 +78,24 @@ pub enum SchemaError {
 #[non_exhaustive]
 pub enum RosDefinitionError {
     #[error("line {line}, `{text}`, names no field")]
-    NoField { line: usize, text: String },
+    NoField { line: usize, text: Foreign },
     #[error("line {line}: `{type_name}` is not a type")]
-    NotAType { line: usize, type_name: String },
+    NotAType { line: usize, type_name: Foreign },
     #[error("line {line}: `{type_name}` has no valid array size")]
-    ArraySize { line: usize, type_name: String },
+    ArraySize { line: usize, type_name: Foreign },
     #[error("it does not define `{name}`")]
-    Undefined { name: String },
+    Undefined { name: Foreign },
     #[error("`{name}` contains itself")]
-    Recursive { name: String },
+    Recursive { name: Foreign },
     #[error("at `{name}` messages are nested more than {limit} deep")]
-    TooDeep { name: String, limit: usize },
+    TooDeep { name: Foreign, limit: usize },
 }
 
 /// The source of the list of a message's fields.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Listing {
     /// The message type with this name.
-    MessageType(String),
+    MessageType(Foreign),
     /// The channel's JSON schema.
     JsonSchema,
     /// The message with the most fields among a JSON channel's first messages.
@@ -101,11 +104,13 @@ pub enum Listing {
 
 impl fmt::Display for Listing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::MessageType(name) => name,
-            Self::JsonSchema => "its JSON schema",
-            Self::FirstMessages => "the one of its first messages with the most fields",
-        })
+        match self {
+            Self::MessageType(name) => name.fmt(f),
+            Self::JsonSchema => f.write_str("its JSON schema"),
+            Self::FirstMessages => {
+                f.write_str("the one of its first messages with the most fields")
+            }
+        }
     }
 }
 
@@ -186,11 +191,11 @@ pub fn quote(fields: &[FieldPath]) -> String {
     names.join(", ")
 }
 
-fn list(names: &[String]) -> String {
+fn list(names: &[Foreign]) -> String {
     if names.is_empty() {
         return "none".to_owned();
     }
-    let listed = names[..names.len().min(LISTED)].join(", ");
+    let listed = text::join(&names[..names.len().min(LISTED)], ", ");
     match names.len().saturating_sub(LISTED) {
         0 => listed,
         more => format!("{listed} and {more} more"),

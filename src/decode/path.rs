@@ -5,6 +5,8 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
+use crate::text::{Foreign, escaped};
+
 /// A field of a message, of a nested message, or of a list: `roll`, `velocity.x`, `q[0]`, `esc[2].rpm`.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(try_from = "String", into = "String")]
@@ -35,7 +37,7 @@ pub struct MessagePath {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is not {wanted}")]
 pub struct NotAPath {
-    text: String,
+    text: Foreign,
     wanted: &'static str,
 }
 
@@ -65,7 +67,7 @@ impl FromStr for FieldPath {
 
     fn from_str(text: &str) -> Result<Self, NotAPath> {
         let steps = parse_steps(text).ok_or_else(|| NotAPath {
-            text: text.to_owned(),
+            text: text.into(),
             wanted: "the path of a field: write names joined by dots, and the place in a list, \
                      counted from 0, in brackets, as in `velocity.x` or `q[0]` (slices and filters \
                      are not supported)",
@@ -99,7 +101,7 @@ impl FromStr for MessagePath {
 
     fn from_str(text: &str) -> Result<Self, NotAPath> {
         let not_a_path = || NotAPath {
-            text: text.to_owned(),
+            text: text.into(),
             wanted: "a message path: write a topic and a field, as in `/imu.orientation` or \
                      `/gps.velocity[0]`, and put a topic that has one of . , : [ { in double quotes",
         };
@@ -133,19 +135,18 @@ impl TryFrom<String> for FieldPath {
 
 impl From<FieldPath> for String {
     fn from(path: FieldPath) -> Self {
-        path.to_string()
+        path.steps
+            .iter()
+            .fold(Self::new(), |text, step| match step {
+                PathStep::Name(name) if text.is_empty() => name.clone(),
+                PathStep::Name(name) => format!("{text}.{name}"),
+                PathStep::Index(index) => format!("{text}[{index}]"),
+            })
     }
 }
 
 impl fmt::Display for FieldPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (place, step) in self.steps.iter().enumerate() {
-            match step {
-                PathStep::Name(name) if place == 0 => f.write_str(name)?,
-                PathStep::Name(name) => write!(f, ".{name}")?,
-                PathStep::Index(index) => write!(f, "[{index}]")?,
-            }
-        }
-        Ok(())
+        escaped(String::from(self.clone())).fmt(f)
     }
 }

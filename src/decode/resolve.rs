@@ -5,6 +5,7 @@ use super::{
     field::FieldKind,
     path::{FieldPath, PathStep},
 };
+use crate::text::Foreign;
 
 /// A place in a schema: a message, a list or a plain value, as one encoding describes it.
 pub trait Node: Sized {
@@ -88,7 +89,7 @@ impl<N: Node> DeadEnd<N> {
             (PathStep::Name(_), Some((place, available)), _) => SchemaError::NoSuchField {
                 missing: vec![path],
                 place,
-                available,
+                available: available.into_iter().map(Foreign::from).collect(),
             },
             (PathStep::Index(_), _, Some(length)) => SchemaError::OutOfRange { path, length },
             _ => SchemaError::NotThere {

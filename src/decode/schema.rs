@@ -56,8 +56,8 @@ impl<'a> MessageSchema<'a> {
                 RosSchema::new(Dialect::Ros1, &schema.name, schema.data()).map(Self::Ros)
             }
             (message_encoding, schema_encoding, _) => Err(SchemaError::Encoding {
-                message_encoding: message_encoding.to_owned(),
-                schema_encoding: schema_encoding.to_owned(),
+                message_encoding: message_encoding.into(),
+                schema_encoding: schema_encoding.into(),
             }),
         }
     }

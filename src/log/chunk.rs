@@ -113,7 +113,7 @@ impl ChunkDecoder {
                     .read_to_end(&mut self.content)?;
                 &self.content
             }
-            other => return Err(ChunkFault::UnknownCompression(other.to_owned())),
+            other => return Err(ChunkFault::UnknownCompression(other.into())),
         };
         if content.len() as u64 != header.uncompressed_size {
             return Err(ChunkFault::Length {

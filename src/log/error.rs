@@ -5,45 +5,47 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use crate::text::{self, Foreign};
+
 /// Why a log cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 // Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum ReadError {
-    #[error("{}: {action}: {source}", path.display())]
+    #[error("{}: {action}: {source}", text::path(path))]
     Io {
         action: &'static str,
         path: PathBuf,
         source: io::Error,
     },
 
-    #[error("{}: not a regular file", path.display())]
+    #[error("{}: not a regular file", text::path(path))]
     NotAFile { path: PathBuf },
 
-    #[error("{}: the file is empty", path.display())]
+    #[error("{}: the file is empty", text::path(path))]
     Empty { path: PathBuf },
 
-    #[error("{}: not an MCAP file: {}", path.display(), describe(*format))]
+    #[error("{}: not an MCAP file: {}", text::path(path), describe(*format))]
     NotMcap {
         path: PathBuf,
         /// What it seems to be instead, if that is known.
         format: Option<ForeignFormat>,
     },
 
-    #[error("{}: damaged at byte {offset}: {damage}", path.display())]
+    #[error("{}: damaged at byte {offset}: {damage}", text::path(path))]
     Damaged {
         path: PathBuf,
         offset: u64,
         damage: Damage,
     },
 
-    #[error("{}: another run of flightcam is using it", path.display())]
+    #[error("{}: another run of flightcam is using it", text::path(path))]
     Locked { path: PathBuf },
 
     #[error(
         "{}: cannot be changed in place, because it cannot be locked against other runs ({source})",
-        path.display()
+        text::path(path)
     )]
     NoLocks { path: PathBuf, source: io::Error },
 }
@@ -110,7 +112,7 @@ pub enum ChunkFault {
     #[error("it is not a whole chunk record")]
     Malformed,
     #[error("its compression `{0}` is not supported (zstd, lz4 and none are)")]
-    UnknownCompression(String),
+    UnknownCompression(Foreign),
     #[error("its content cannot be decompressed: {0}")]
     Decompression(#[from] io::Error),
     #[error("its content is {found} bytes long and should be {expected}")]

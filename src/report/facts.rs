@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::{CameraReport, Chosen, EncodingReport, Findings};
+use crate::text::Foreign;
 
 impl Findings<'_> {
     /// How the result was made.
@@ -46,7 +47,7 @@ impl Findings<'_> {
         for (kind, samples) in &self.samples {
             let kind = kind.name();
             if let Some(topic) = &samples.topic {
-                add(&format!("{kind}_topic"), topic.clone());
+                add(&format!("{kind}_topic"), topic.as_str().to_owned());
             }
             add(&format!("{kind}_used"), samples.tally.used.to_string());
             for (reason, count) in &samples.tally.dropped {
@@ -92,5 +93,7 @@ fn encoding_fact(encoding: &EncodingReport) -> String {
         telemetry_encoding,
         ..
     } = encoding;
-    format!("{chosen} {telemetry_topic} is {telemetry_encoding}")
+    // Not as they are displayed: the record has names as the log has them.
+    let [topic, encoding] = [telemetry_topic, telemetry_encoding].map(Foreign::as_str);
+    format!("{chosen} {topic} is {encoding}")
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::{
     sample::{Kind, Tally},
     source::error::Misfit,
+    text::Foreign,
 };
 
 /// A topic that the result does not have.
@@ -38,7 +39,7 @@ pub enum MissingReason {
         /// How many are needed.
         needed: u64,
         /// Where they come from.
-        topic: String,
+        topic: Foreign,
         /// How many are usable, and how many are not, for which reason.
         #[serde(flatten)]
         tally: Tally,

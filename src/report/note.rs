@@ -8,6 +8,7 @@ use super::{CameraReport, lossy};
 use crate::{
     log::Log,
     source::Source,
+    text::Foreign,
     writer::{Layout, provenance::EarlierRun},
 };
 
@@ -61,7 +62,7 @@ pub enum Note {
     /// The log has a gimbal's angles, but the options describe another camera.
     GimbalIgnored {
         /// Where they are.
-        topic: String,
+        topic: Foreign,
         /// How the camera is mounted.
         camera: CameraReport,
     },
@@ -70,7 +71,7 @@ pub enum Note {
     /// Angles were read as radians, and one is larger than an angle in radians can be.
     SuspiciousAngle {
         /// Where they are.
-        topic: String,
+        topic: Foreign,
         /// The largest.
         angle: f64,
     },
@@ -79,9 +80,9 @@ pub enum Note {
     /// A channel of the log is not ROS 2, so that ROS 2 tools refuse the result although the new ones are.
     ChannelNotRos2 {
         /// The channel's topic.
-        topic: String,
+        topic: Foreign,
         /// How its messages are encoded.
-        message_encoding: String,
+        message_encoding: Foreign,
     },
     /// The log continues after January 2038, when ROS 2 stamps overflow. Later stamps are clamped; log times are still
     /// right.

@@ -45,8 +45,8 @@ fn mixture(log: &Log, used: Encoding) -> Option<Note> {
     match (foreign.next(), used == Encoding::Ros2) {
         (None, false) => Some(Note::NewChannelsNotRos2),
         (Some(channel), true) => Some(Note::ChannelNotRos2 {
-            topic: channel.topic.clone(),
-            message_encoding: channel.message_encoding.clone(),
+            topic: (&channel.topic).into(),
+            message_encoding: (&channel.message_encoding).into(),
         }),
         (None, true) | (Some(_), false) => None,
     }

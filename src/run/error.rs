@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{error::Error, report::MissingTopic, writer::original::Lost};
+use crate::{error::Error, report::MissingTopic, text, writer::original::Lost};
 
 /// Why a run has no result, apart from problems with its input and its output.
 #[derive(Debug, thiserror::Error)]
@@ -10,16 +10,23 @@ use crate::{error::Error, report::MissingTopic, writer::original::Lost};
 // Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum RunError {
-    #[error("{}: nothing can be derived from its telemetry{}", path.display(), list(missing))]
+    #[error(
+        "{}: nothing can be derived from its telemetry{}",
+        text::path(path),
+        list(missing)
+    )]
     NothingDerived {
         path: PathBuf,
         missing: Vec<MissingTopic>,
     },
 
-    #[error("{}: cannot be restored: {reason}", path.display())]
+    #[error("{}: cannot be restored: {reason}", text::path(path))]
     NotRestorable { path: PathBuf, reason: Lost },
 
-    #[error("{}: cannot be read from front to back; the log must be a file", name.display())]
+    #[error(
+        "{}: cannot be read from front to back; the log must be a file",
+        text::path(name)
+    )]
     Stream { name: PathBuf },
 
     #[error("only a log in a file can be changed in place")]
@@ -37,7 +44,7 @@ pub enum RunError {
     #[error("{cause}\nthe log was passed on as it came, without new channels")]
     PassedOn { cause: Box<Error> },
 
-    #[error("{}: interrupted; {left}", path.display())]
+    #[error("{}: interrupted; {left}", text::path(path))]
     Interrupted { path: PathBuf, left: Left },
 }
 

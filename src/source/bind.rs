@@ -7,7 +7,7 @@ mod error;
 use super::profile::{
     Alternative, Condition, Profile, RoleFields, SampleTime, convention::TimeUnit,
 };
-use crate::{decode::path::FieldPath, sample::Kind};
+use crate::{decode::path::FieldPath, sample::Kind, text::Foreign};
 pub use binder::Binder;
 pub use error::BindError;
 
@@ -113,8 +113,8 @@ pub fn for_type<'p>(
         alternatives.partition(|alternative| alternative.location.is_for(schema_name));
     match others.first() {
         Some(other) if fitting.is_empty() => Err(BindError::OtherType {
-            name: schema_name.to_owned(),
-            wanted: other.location.schemas.clone(),
+            name: schema_name.into(),
+            wanted: other.location.schemas.iter().map(Foreign::from).collect(),
         }),
         _ => Ok(fitting),
     }

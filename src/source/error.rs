@@ -9,6 +9,7 @@ use crate::{
     decode::{error::quote, path::FieldPath},
     log::{Log, ReadError},
     sample::Kind,
+    text::{self, Foreign},
 };
 
 /// Why a log's telemetry is not found or is ambiguous.
@@ -18,49 +19,56 @@ use crate::{
 #[allow(missing_docs)]
 pub enum TelemetryError {
     #[error(
-        "{}: no usable telemetry\nlooked for:{}\n{topics}", path.display(),
+        "{}: no usable telemetry\nlooked for:{}\n{topics}", text::path(path),
         tried.iter().map(|(profile, misfit)| format!("\n  {profile}: {misfit}")).collect::<String>()
     )]
     NotFound {
         path: PathBuf,
         /// Each profile and why it does not fit.
-        tried: Vec<(String, Misfit)>,
+        tried: Vec<(Foreign, Misfit)>,
         topics: LogTopics,
     },
 
-    #[error("{}: {} fit equally well", path.display(), topics.join(" and "))]
-    SeveralTopicsFit { path: PathBuf, topics: Vec<String> },
+    #[error(
+        "{}: {} fit equally well",
+        text::path(path),
+        text::join(topics, " and ")
+    )]
+    SeveralTopicsFit { path: PathBuf, topics: Vec<Foreign> },
 
     #[error(
-        "{}: several profiles fit equally well{}", path.display(),
+        "{}: several profiles fit equally well{}", text::path(path),
         fits.iter().map(|(profile, topic)| format!("\n  {profile}: {topic}")).collect::<String>()
     )]
     SeveralProfilesFit {
         path: PathBuf,
         /// Each profile and the topic where it finds the attitude.
-        fits: Vec<(String, String)>,
+        fits: Vec<(Foreign, Foreign)>,
     },
 
     #[error(
-        "{}: has the telemetry of several vehicles, in the namespaces {}{}", path.display(),
-        namespaces.iter().map(|namespace| written(namespace)).collect::<Vec<_>>().join(", "),
-        if namespaces.contains("") { " (/ is the one without a namespace)" } else { "" }
+        "{}: has the telemetry of several vehicles, in the namespaces {}{}", text::path(path),
+        text::join(namespaces.iter().map(written), ", "),
+        if namespaces.iter().any(|namespace| namespace.is_empty()) { " (/ is the one without a namespace)" } else { "" }
     )]
     SeveralVehicles {
         path: PathBuf,
         /// The prefixes of their topics; empty for a vehicle without one.
-        namespaces: BTreeSet<String>,
+        namespaces: BTreeSet<Foreign>,
     },
 
-    #[error("{}: there is no topic in the namespace {namespace}\n{topics}", path.display())]
+    #[error(
+        "{}: there is no topic in the namespace {namespace}\n{topics}",
+        text::path(path)
+    )]
     NoSuchNamespace {
         path: PathBuf,
-        namespace: String,
+        namespace: Foreign,
         topics: LogTopics,
     },
 
     #[error(
-        "{}: the given {} does not fit: {misfit}\n{topics}", path.display(), role.name()
+        "{}: the given {} does not fit: {misfit}\n{topics}", text::path(path), role.name()
     )]
     RoleDoesNotFit {
         path: PathBuf,
@@ -69,10 +77,13 @@ pub enum TelemetryError {
         topics: LogTopics,
     },
 
-    #[error("{}: the profile `{profile}` does not fit: {misfit}\n{topics}", path.display())]
+    #[error(
+        "{}: the profile `{profile}` does not fit: {misfit}\n{topics}",
+        text::path(path)
+    )]
     ProfileDoesNotFit {
         path: PathBuf,
-        profile: String,
+        profile: Foreign,
         misfit: Box<Misfit>,
         topics: LogTopics,
     },
@@ -83,10 +94,10 @@ pub enum TelemetryError {
 }
 
 /// A namespace as a request writes it.
-fn written(namespace: &str) -> &str {
-    match namespace {
-        "" => "/",
-        namespace => namespace,
+fn written(namespace: &Foreign) -> Foreign {
+    match namespace.is_empty() {
+        true => "/".into(),
+        false => namespace.clone(),
     }
 }
 
@@ -99,17 +110,17 @@ pub enum Misfit {
     #[error("there is no message on {}", listed(topics))]
     NoMessages {
         /// The topics, as the profile or the user names them.
-        topics: Vec<String>,
+        topics: Vec<Foreign>,
     },
 
     #[error("{}: {}", .0.topic, .0.cause)]
     Messages(TopicMisfit),
 
     #[error("the messages on {topic} have none")]
-    NotWithAttitude { topic: String },
+    NotWithAttitude { topic: Foreign },
 
     #[error("the profile `{profile}` has no {}", role.name())]
-    NotInProfile { profile: String, role: Kind },
+    NotInProfile { profile: Foreign, role: Kind },
 
     #[error(
         "only a topic was given for the {}, and no profile says which fields it has there",
@@ -128,10 +139,14 @@ pub enum Misfit {
         nearest: Option<TopicMisfit>,
     },
 
-    #[error("no topic has messages of type {}{}", schemas.join(" or "), closest(nearest))]
+    #[error(
+        "no topic has messages of type {}{}",
+        text::join(schemas, " or "),
+        closest(nearest)
+    )]
     NoSuchType {
         /// The types, any of which would do.
-        schemas: Vec<String>,
+        schemas: Vec<Foreign>,
         /// A topic whose messages are of the type, but are missing a field.
         nearest: Option<TopicMisfit>,
     },
@@ -148,12 +163,12 @@ fn closest(nearest: &Option<TopicMisfit>) -> String {
 }
 
 /// The first few of several names, any of which would do.
-fn listed(names: &[String]) -> String {
+fn listed(names: &[Foreign]) -> String {
     const LISTED: usize = 3;
     match names.len().saturating_sub(LISTED) {
-        0 => names.join(" or "),
-        1 => format!("{} or one other", names[..LISTED].join(", ")),
-        more => format!("{} or {more} others", names[..LISTED].join(", ")),
+        0 => text::join(names, " or "),
+        1 => format!("{} or one other", text::join(&names[..LISTED], ", ")),
+        more => format!("{} or {more} others", text::join(&names[..LISTED], ", ")),
     }
 }
 
@@ -161,7 +176,7 @@ fn listed(names: &[String]) -> String {
 #[derive(Debug, Clone, Serialize)]
 pub struct TopicMisfit {
     /// The topic.
-    pub topic: String,
+    pub topic: Foreign,
     #[serde(serialize_with = "as_text")]
     cause: Arc<BindError>,
 }
@@ -169,7 +184,7 @@ pub struct TopicMisfit {
 impl TopicMisfit {
     pub(super) fn new(topic: &str, cause: BindError) -> Self {
         Self {
-            topic: topic.to_owned(),
+            topic: topic.into(),
             cause: cause.into(),
         }
     }
@@ -221,20 +236,20 @@ pub struct LogTopics(pub BTreeSet<LogTopic>);
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct LogTopic {
     /// Its name.
-    pub topic: String,
+    pub topic: Foreign,
     /// How its messages are encoded.
-    pub message_encoding: String,
+    pub message_encoding: Foreign,
     /// The name of their type, if they have one.
-    pub schema: Option<String>,
+    pub schema: Option<Foreign>,
 }
 
 impl LogTopics {
     pub(super) fn of(log: &Log) -> Self {
         let channels = log.contents.channels_with_messages();
         let topics = channels.map(|(channel, _)| LogTopic {
-            topic: channel.topic.clone(),
-            message_encoding: channel.message_encoding.clone(),
-            schema: (log.contents.schema_of(channel)).map(|schema| schema.name.clone()),
+            topic: (&channel.topic).into(),
+            message_encoding: (&channel.message_encoding).into(),
+            schema: (log.contents.schema_of(channel)).map(|schema| schema.name.as_str().into()),
         });
         Self(topics.collect())
     }
@@ -249,12 +264,11 @@ impl fmt::Display for LogTopics {
         }
         f.write_str("topics of the log:")?;
         for topic in self.0.iter().take(LISTED) {
-            let schema = topic.schema.as_deref().unwrap_or("no schema");
-            write!(
-                f,
-                "\n  {} ({}, {schema})",
-                topic.topic, topic.message_encoding
-            )?;
+            write!(f, "\n  {} ({}, ", topic.topic, topic.message_encoding)?;
+            match &topic.schema {
+                Some(schema) => write!(f, "{schema})")?,
+                None => f.write_str("no schema)")?,
+            }
         }
         match self.0.len().saturating_sub(LISTED) {
             0 => Ok(()),

@@ -1,6 +1,6 @@
 //! Topics as profiles name them: in any vehicle's namespace, and with a wildcard for a number.
 
-use std::fmt;
+use crate::text::Foreign;
 
 /// The wildcard for any number, such as a version.
 const NUMBER: &str = "{n}";
@@ -85,6 +85,14 @@ impl Pattern {
         (name.len()..digits.len()).any(|end| digits[..end].ends_with(&self.before))
     }
 
+    /// The pattern as a profile writes it.
+    pub fn as_written(&self) -> Foreign {
+        let vehicle = self.vehicle.iter().flat_map(|vehicle| [vehicle, VEHICLE]);
+        let after = self.after.iter().flat_map(|after| [NUMBER, after]);
+        let parts = vehicle.chain([self.before.as_str()]).chain(after);
+        parts.collect::<String>().into()
+    }
+
     /// The number in a topic that matches; 0 if the pattern has none.
     fn rank(&self, topic: &str) -> Option<u64> {
         match self.vehicle {
@@ -117,17 +125,4 @@ fn is_vehicle(namespace: &str, vehicle: &str) -> bool {
 pub fn is_within(topic: &str, namespace: &str) -> bool {
     (topic.strip_prefix(namespace))
         .is_some_and(|rest| namespace.is_empty() || rest.starts_with('/'))
-}
-
-impl fmt::Display for Pattern {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(vehicle) = &self.vehicle {
-            write!(f, "{vehicle}{VEHICLE}")?;
-        }
-        f.write_str(&self.before)?;
-        match &self.after {
-            Some(after) => write!(f, "{NUMBER}{after}"),
-            None => Ok(()),
-        }
-    }
 }

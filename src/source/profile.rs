@@ -93,8 +93,8 @@ impl Profile {
         place
             .map(|place| BUILT_IN[place])
             .ok_or_else(|| ProfileError::Unknown {
-                name: name.to_owned(),
-                built_in: profiles.into_iter().map(|profile| profile.name).collect(),
+                name: name.into(),
+                built_in: profiles.iter().map(|one| (&one.name).into()).collect(),
             })
     }
 

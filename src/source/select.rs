@@ -12,7 +12,7 @@ use super::{
     profile::Profile,
     request::Request,
 };
-use crate::{decode::FirstMessages, log::Log, sample::Kind};
+use crate::{decode::FirstMessages, log::Log, sample::Kind, text::Foreign};
 pub use fit::Fit;
 use fit::{Specificity, specificity};
 use log_search::LogSearch;
@@ -89,7 +89,7 @@ impl Source {
             return Err(ambiguity(log, &best));
         };
         let runners_up = rest.into_iter().map(|candidate| RunnerUp {
-            profile: candidate.profile.name.clone(),
+            profile: (&candidate.profile.name).into(),
             attitude: Ok(candidate.fit.attitude),
         });
         Ok(Self {
@@ -142,7 +142,7 @@ fn try_profiles<'p>(
         match log_search.fit(profile) {
             Ok(fits) => candidates.extend(fits.into_iter().map(|fit| Candidate { profile, fit })),
             Err(Unfit::Misfit(misfit)) => misfits.push(RunnerUp {
-                profile: profile.name.clone(),
+                profile: (&profile.name).into(),
                 attitude: Err(misfit),
             }),
             Err(Unfit::Hopeless(error)) => return Err(error),
@@ -190,12 +190,12 @@ fn none_fits(log: &Log, misfits: Vec<RunnerUp>) -> TelemetryError {
 /// Why one of several candidates that are equally good cannot be chosen.
 fn ambiguity(log: &Log, candidates: &[Candidate]) -> TelemetryError {
     let path = log.file.path().to_owned();
-    let of_each = |text: fn(&Candidate) -> String| candidates.iter().map(text);
-    let profile = |candidate: &Candidate| candidate.profile.name.clone();
+    let of_each = |text: fn(&Candidate) -> Foreign| candidates.iter().map(text);
+    let profile = |candidate: &Candidate| Foreign::from(&candidate.profile.name);
     let topic = |candidate: &Candidate| candidate.fit.attitude.topic.clone();
-    let namespace = |candidate: &Candidate| candidate.fit.namespace.clone();
-    let namespaces: BTreeSet<String> = of_each(namespace).collect();
-    let profiles: BTreeSet<String> = of_each(profile).collect();
+    let namespace = |candidate: &Candidate| Foreign::from(&candidate.fit.namespace);
+    let namespaces: BTreeSet<Foreign> = of_each(namespace).collect();
+    let profiles: BTreeSet<Foreign> = of_each(profile).collect();
     if namespaces.len() > 1 {
         TelemetryError::SeveralVehicles { path, namespaces }
     } else if profiles.len() > 1 {

@@ -6,7 +6,10 @@ use std::{
 };
 
 use super::{original::Lost, provenance::EarlierRun};
-use crate::log::ReadError;
+use crate::{
+    log::ReadError,
+    text::{self, Foreign},
+};
 
 /// Why a result cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -14,7 +17,7 @@ use crate::log::ReadError;
 // Each variant's message explains it and its fields.
 #[allow(missing_docs)]
 pub enum WriteError {
-    #[error("{}: {action}: {source}", path.display())]
+    #[error("{}: {action}: {source}", text::path(path))]
     Io {
         action: &'static str,
         path: PathBuf,
@@ -29,23 +32,27 @@ pub enum WriteError {
     #[error("cancelled")]
     Cancelled,
 
-    #[error("{}: all {kind} ids of the log are in use, so no topic can be added", path.display())]
+    #[error(
+        "{}: all {kind} ids of the log are in use, so no topic can be added",
+        text::path(path)
+    )]
     NoFreeId { path: PathBuf, kind: IdKind },
 
     #[error(
         "{}: already has a topic {topic}, which flightcam did not write ({})",
-        path.display(), describe(schema.as_deref())
+        text::path(path),
+        describe(schema)
     )]
     TopicTaken {
         path: PathBuf,
         topic: &'static str,
         /// The name of its schema, if it has one.
-        schema: Option<String>,
+        schema: Option<Foreign>,
     },
 
     #[error(
         "{}: has {topic} from an earlier run of flightcam ({earlier}), which cannot be replaced: {reason}",
-        path.display()
+        text::path(path)
     )]
     AlreadyEnriched {
         path: PathBuf,
@@ -55,27 +62,35 @@ pub enum WriteError {
         reason: Lost,
     },
 
-    #[error("{}: exists already", path.display())]
+    #[error("{}: exists already", text::path(path))]
     OutputExists { path: PathBuf },
 
-    #[error("{}: is a folder", path.display())]
+    #[error("{}: is a folder", text::path(path))]
     OutputIsFolder { path: PathBuf },
 
-    #[error("{}: is {kind}, to which no log can be written", path.display())]
+    #[error("{}: is {kind}, to which no log can be written", text::path(path))]
     OutputIsSpecial { path: PathBuf, kind: SpecialFile },
 
-    #[error("{}: the output would replace the input", path.display())]
+    #[error("{}: the output would replace the input", text::path(path))]
     OutputIsInput { path: PathBuf },
 
-    #[error("{}: there is no folder {} for the output", path.display(), folder.display())]
+    #[error(
+        "{}: there is no folder {} for the output",
+        text::path(path),
+        text::path(folder)
+    )]
     NoFolder { path: PathBuf, folder: PathBuf },
 
-    #[error("{}: cannot create a file in the output's folder: {source}", path.display())]
+    #[error(
+        "{}: cannot create a file in the output's folder: {source}",
+        text::path(path)
+    )]
     CannotCreate { path: PathBuf, source: io::Error },
 
     #[error(
         "{}: {} beside it is left from an interrupted change of a log of that name",
-        path.display(), journal.display()
+        text::path(path),
+        text::path(journal)
     )]
     JournalInTheWay { path: PathBuf, journal: PathBuf },
 }
@@ -118,7 +133,7 @@ impl WriteError {
     }
 }
 
-fn describe(schema: Option<&str>) -> String {
+fn describe(schema: &Option<Foreign>) -> String {
     match schema {
         Some(name) => format!("schema `{name}`"),
         None => "no schema".to_owned(),

@@ -29,6 +29,7 @@ use binrw::{BinWrite, binrw};
 use crate::{
     fs::{NewFile, ReadAt, WriteAt, folder_of, sync_folder},
     log::{ReadError, file::LogFile, fingerprint::Fingerprint},
+    text::{self, Foreign},
 };
 pub use recovery::{Interrupted, open};
 
@@ -91,7 +92,7 @@ pub enum JournalError {
     #[error(transparent)]
     Read(#[from] ReadError),
 
-    #[error("{}: {action}: {source}", path.display())]
+    #[error("{}: {action}: {source}", text::path(path))]
     Io {
         action: &'static str,
         path: PathBuf,
@@ -100,18 +101,20 @@ pub enum JournalError {
 
     #[error(
         "{}: {} beside it is left from an interrupted change of another log ({of})",
-        path.display(), journal.display()
+        text::path(path),
+        text::path(journal)
     )]
     Foreign {
         path: PathBuf,
         journal: PathBuf,
         /// Where that log was.
-        of: String,
+        of: Foreign,
     },
 
     #[error(
         "{}: {} beside it looks like that of an interrupted change, but {fault}. Both are left as they are",
-        path.display(), journal.display()
+        text::path(path),
+        text::path(journal)
     )]
     Distrusted {
         path: PathBuf,
@@ -121,7 +124,8 @@ pub enum JournalError {
 
     #[error(
         "{cause}\nand the log {} could not be restored ({rollback}); {} has its old end",
-        path.display(), journal.display()
+        text::path(path),
+        text::path(journal)
     )]
     NotRolledBack {
         path: PathBuf,

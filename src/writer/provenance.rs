@@ -9,6 +9,7 @@ use super::{Layout, error::WriteError, original::Lost};
 use crate::{
     derived::Quantity,
     log::{Log, ReadError},
+    text::Foreign,
 };
 
 /// The name of the Metadata record.
@@ -72,7 +73,7 @@ pub(super) fn check_topics_are_free(log: &Log, lost: Lost) -> Result<(), WriteEr
             None => WriteError::TopicTaken {
                 path,
                 topic: quantity.topic(),
-                schema: (log.contents.schema_of(channel)).map(|schema| schema.name.clone()),
+                schema: (log.contents.schema_of(channel)).map(|schema| schema.name.as_str().into()),
             },
         });
     }
@@ -106,16 +107,16 @@ pub(super) fn why_no_way_back(log: &Log) -> Result<Lost, ReadError> {
 #[non_exhaustive]
 pub struct EarlierRun {
     /// The version of flightcam.
-    pub version: Option<String>,
+    pub version: Option<Foreign>,
     /// The camera, in words.
-    pub camera: Option<String>,
+    pub camera: Option<Foreign>,
     /// The name of the profile.
-    pub profile: Option<String>,
+    pub profile: Option<Foreign>,
 }
 
 impl EarlierRun {
     fn of(record: &Metadata) -> Self {
-        let get = |key| record.metadata.get(key).cloned();
+        let get = |key| record.metadata.get(key).map(Foreign::from);
         Self {
             version: get(VERSION),
             camera: get("camera"),
@@ -131,8 +132,9 @@ impl fmt::Display for EarlierRun {
             camera,
             profile,
         } = self;
+        let unknown = &Foreign::from("?");
         let [version, camera, profile] =
-            [version, camera, profile].map(|fact| fact.as_deref().unwrap_or("?"));
+            [version, camera, profile].map(|fact| fact.as_ref().unwrap_or(unknown));
         write!(f, "version {version}, camera {camera}, profile {profile}")
     }
 }

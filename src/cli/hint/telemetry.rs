@@ -1,6 +1,13 @@
 //! Hints for a log whose telemetry is not found or is ambiguous.
 
-use flightcam::source::error::{Misfit, TelemetryError};
+use flightcam::{
+    sample::Kind,
+    source::{
+        error::{Misfit, TelemetryError},
+        request::{self, RoleArgument},
+    },
+    text::is_escaped,
+};
 
 /// What the user can do about an error.
 pub fn hint(error: &TelemetryError) -> Option<String> {
@@ -13,20 +20,18 @@ pub fn hint(error: &TelemetryError) -> Option<String> {
                     .to_owned()
             })
         }
-        TelemetryError::SeveralTopicsFit { topics, .. } => {
-            choose_one("--attitude", topics.first()?)
-        }
+        TelemetryError::SeveralTopicsFit { topics, .. } => choose_one(
+            "--attitude",
+            topics.iter().find_map(|topic| role_argument(topic)),
+        ),
         TelemetryError::SeveralProfilesFit { fits, .. } => {
-            let (profile, _) = fits.first()?;
-            choose_one("--profile", profile)
+            let mut profiles = fits.iter().map(|(profile, _)| profile.to_string());
+            choose_one("--profile", profiles.next())
         }
-        TelemetryError::SeveralVehicles { namespaces, .. } => {
-            let namespace = match namespaces.first()?.as_str() {
-                "" => "/",
-                namespace => namespace,
-            };
-            choose_one("--namespace", namespace)
-        }
+        TelemetryError::SeveralVehicles { namespaces, .. } => choose_one(
+            "--namespace",
+            (namespaces.iter()).find_map(|namespace| namespace_argument(namespace)),
+        ),
         TelemetryError::NoSuchNamespace { .. } => "correct --namespace, or leave it out".to_owned(),
         TelemetryError::RoleDoesNotFit { role, .. } => {
             format!("correct --{}, or leave it out", role.name())
@@ -36,8 +41,42 @@ pub fn hint(error: &TelemetryError) -> Option<String> {
     })
 }
 
-fn choose_one(option: &str, value: &str) -> String {
-    format!("choose one, for instance with {option} {value}")
+fn choose_one(option: &str, example: Option<String>) -> String {
+    match example {
+        Some(value) => format!("choose one, for instance with {option} {value}"),
+        None => format!("choose one with {option}"),
+    }
+}
+
+/// What to type for a topic, if there is such a thing.
+fn role_argument(topic: &str) -> Option<String> {
+    let is_topic = |argument: &String| {
+        let parsed = RoleArgument::parse(Kind::Attitude, argument);
+        parsed == Ok(RoleArgument::Topic(topic.to_owned()))
+    };
+    let ways = [topic.to_owned(), format!("\"{topic}\"")];
+    // Braces may stand for a number.
+    let mut ways = ways.into_iter().filter(|_| !topic.contains('{'));
+    in_shell(&ways.find(is_topic)?)
+}
+
+/// What to type for a namespace, if there is such a thing.
+fn namespace_argument(namespace: &str) -> Option<String> {
+    let typed = if namespace.is_empty() { "/" } else { namespace };
+    let is_namespace = request::namespace(typed).as_deref() == Ok(namespace);
+    in_shell(typed).filter(|_| is_namespace)
+}
+
+/// An argument as a shell reads it; `None` for one that cannot be seen in full, or looks like an option.
+fn in_shell(argument: &str) -> Option<String> {
+    let is_plain = |c: char| c.is_alphanumeric() || "/_-.,:".contains(c);
+    if argument.contains(is_escaped) || argument.starts_with('-') {
+        return None;
+    }
+    Some(match argument.chars().all(is_plain) {
+        true => argument.to_owned(),
+        false => format!("'{}'", argument.replace('\'', r"'\''")),
+    })
 }
 
 fn give_fields(misfit: &Misfit) -> Option<String> {

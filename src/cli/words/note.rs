@@ -2,6 +2,7 @@
 
 use flightcam::{
     report::{CameraReport, Note},
+    text,
     writer::Layout,
 };
 
@@ -105,7 +106,7 @@ fn on_ros2(note: &Note) -> Option<String> {
         Note::BagMetadataOutdated { path } => format!(
             "{} does not list the result with its new topics; to use the result as a ROS 2 bag, put it into a \
              folder of its own under a name that ends in _0.mcap, and run `ros2 bag reindex -s mcap FOLDER`",
-            path.display()
+            text::path(path)
         ),
         _ => return None,
     })

@@ -6,12 +6,15 @@ use super::{
     decoder::{JsonDecoder, JsonLeaf, number_in},
     first_messages::FirstMessages,
 };
-use crate::decode::{
-    error::{Listing, SchemaError},
-    field::{FieldKind, Wanted},
-    path::FieldPath,
-    resolve::{Node, resolve, walk},
-    tree::tree,
+use crate::{
+    decode::{
+        error::{Listing, SchemaError},
+        field::{FieldKind, Wanted},
+        path::FieldPath,
+        resolve::{Node, resolve, walk},
+        tree::tree,
+    },
+    text::Foreign,
 };
 
 /// What is known about a channel's messages: what its JSON Schema lists, and what its first messages contain.
@@ -56,7 +59,10 @@ impl<'a> JsonSchema<'a> {
                 place: Listing::FirstMessages,
                 available: (messages.iter().filter_map(Value::as_object))
                     .max_by_key(|fields| fields.len())
-                    .map_or_else(Vec::new, names),
+                    .map_or_else(Vec::new, names)
+                    .into_iter()
+                    .map(Foreign::from)
+                    .collect(),
             }),
         }
     }

@@ -22,9 +22,7 @@ impl ProtobufSchema {
     pub fn new(name: &str, descriptors: &[u8]) -> Result<Self, SchemaError> {
         let pool = DescriptorPool::decode(descriptors).map_err(SchemaError::ProtobufSchema)?;
         let message = pool.get_message_by_name(name);
-        let undefined = || SchemaError::UndefinedProtobufMessage {
-            name: name.to_owned(),
-        };
+        let undefined = || SchemaError::UndefinedProtobufMessage { name: name.into() };
         Ok(Self {
             message: message.ok_or_else(undefined)?,
         })
@@ -97,7 +95,7 @@ impl Node for ProtobufNode {
 
     fn fields(&self) -> Option<(Listing, Vec<String>)> {
         let message = self.message()?;
-        let listing = Listing::MessageType(message.full_name().to_owned());
+        let listing = Listing::MessageType(message.full_name().into());
         Some((listing, names(&message)))
     }
 

@@ -190,7 +190,9 @@ impl Compiler {
     /// Skips to the current field.
     fn pass(&mut self) -> Result<(), SchemaError> {
         match self.barrier.take() {
-            Some(field) => Err(SchemaError::AfterWideText { field }),
+            Some(field) => Err(SchemaError::AfterWideText {
+                field: field.into(),
+            }),
             None => {
                 self.ops.extend(self.to_pass.drain(..).map(Op::Skip));
                 Ok(())

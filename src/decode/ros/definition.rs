@@ -52,7 +52,7 @@ fn is_separator(code: &str) -> bool {
 fn parse_field(code: &str, line: usize) -> Result<Option<FieldDefinition<'_>>, RosDefinitionError> {
     let no_field = || RosDefinitionError::NoField {
         line,
-        text: code.to_owned(),
+        text: code.into(),
     };
     let (type_name, rest) = code.split_once(char::is_whitespace).ok_or_else(no_field)?;
     let rest = rest.trim_start();
@@ -68,7 +68,7 @@ fn parse_field(code: &str, line: usize) -> Result<Option<FieldDefinition<'_>>, R
         Some((base, size)) => {
             let invalid = || RosDefinitionError::ArraySize {
                 line,
-                type_name: type_name.to_owned(),
+                type_name: type_name.into(),
             };
             (base, Some(parse_array_size(size).ok_or_else(invalid)?))
         }
@@ -76,7 +76,7 @@ fn parse_field(code: &str, line: usize) -> Result<Option<FieldDefinition<'_>>, R
     };
     let not_a_type = || RosDefinitionError::NotAType {
         line,
-        type_name: type_name.to_owned(),
+        type_name: type_name.into(),
     };
     let base = parse_base(base).ok_or_else(not_a_type)?;
     Ok(Some(FieldDefinition { name, base, list }))

@@ -82,17 +82,17 @@ impl Linker<'_> {
         let owned = || name.to_owned();
         match self.messages.get(name) {
             Some(Some(message)) => return Ok(Arc::clone(message)),
-            Some(None) => return Err(RosDefinitionError::Recursive { name: owned() }),
+            Some(None) => return Err(RosDefinitionError::Recursive { name: name.into() }),
             None => {}
         }
         let too_deep = || RosDefinitionError::TooDeep {
-            name: owned(),
+            name: name.into(),
             limit: MAX_HEIGHT,
         };
         if depth > MAX_HEIGHT {
             return Err(too_deep());
         }
-        let undefined = || RosDefinitionError::Undefined { name: owned() };
+        let undefined = || RosDefinitionError::Undefined { name: name.into() };
         let definition = *self.definitions.get(name).ok_or_else(undefined)?;
         self.messages.insert(owned(), None);
         let mut fields = Vec::new();

@@ -114,7 +114,7 @@ impl Node for RosType {
 
     fn fields(&self) -> Option<(Listing, Vec<String>)> {
         let message = self.message()?;
-        let listing = Listing::MessageType(message.name.clone());
+        let listing = Listing::MessageType((&message.name).into());
         Some((listing, message.field_names()))
     }
 

@@ -3,6 +3,7 @@
 use crate::{
     decode::{error::SchemaError, path::FieldPath},
     log::ReadError,
+    text::{self, Foreign},
 };
 
 /// Why a channel's messages cannot be read as a profile says.
@@ -11,8 +12,11 @@ pub enum BindError {
     #[error(transparent)]
     Schema(#[from] SchemaError),
 
-    #[error("its messages are of type `{name}`, not {}", wanted.join(" or "))]
-    OtherType { name: String, wanted: Vec<String> },
+    #[error(
+        "its messages are of type `{name}`, not {}",
+        text::join(wanted, " or ")
+    )]
+    OtherType { name: Foreign, wanted: Vec<Foreign> },
 
     #[error("its field `{path}` is a number, and its unit is not given: s, ms, us or ns")]
     NoUnit { path: FieldPath },

@@ -2,7 +2,12 @@
 
 use std::{io, path::PathBuf};
 
-use crate::{decode::path::NotAPath, sample::Kind, source::pattern::VEHICLE};
+use crate::{
+    decode::path::NotAPath,
+    sample::Kind,
+    source::pattern::VEHICLE,
+    text::{self, Foreign},
+};
 
 /// Why a profile cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -12,14 +17,18 @@ use crate::{decode::path::NotAPath, sample::Kind, source::pattern::VEHICLE};
 pub enum ProfileError {
     #[error(
         "unknown profile `{name}`: the built-in profiles are {}; \
-         a profile of your own is given as the path of a .toml file", built_in.join(", ")
+         a profile of your own is given as the path of a .toml file",
+        text::join(built_in, ", ")
     )]
-    Unknown { name: String, built_in: Vec<String> },
+    Unknown {
+        name: Foreign,
+        built_in: Vec<Foreign>,
+    },
 
-    #[error("{}: not a profile: {source}", path.display())]
+    #[error("{}: not a profile: {source}", text::path(path))]
     Io { path: PathBuf, source: io::Error },
 
-    #[error("{}: not a profile: {problem}", path.display())]
+    #[error("{}: not a profile: {problem}", text::path(path))]
     Bad { path: PathBuf, problem: NotAProfile },
 }
 
@@ -28,14 +37,14 @@ pub enum ProfileError {
 #[non_exhaustive]
 #[allow(missing_docs)]
 pub enum NotAProfile {
-    #[error("{}", .0.to_string().trim())]
+    #[error("{}", text::escaped_lines(.0.to_string().trim()))]
     Syntax(toml::de::Error),
 
-    #[error("{}", in_one_line(.0))]
+    #[error("{}", text::escaped(in_one_line(.0)))]
     Content(toml::de::Error),
 
     #[error("unknown key `{key}`; docs/profiles.md lists the keys of a profile")]
-    UnknownKey { key: String },
+    UnknownKey { key: Foreign },
 
     #[error("`attitude` is empty: it needs at least one alternative")]
     NoAttitude,
@@ -77,18 +86,18 @@ pub enum BadRole {
     NotAPath(#[from] NotAPath),
 
     #[error("`{path}` names no field")]
-    NoField { path: String },
+    NoField { path: Foreign },
 
     #[error(
         "a path names the topic {topic}, and there is `topics` as well; leave one of the two out"
     )]
-    TopicTwice { topic: String },
+    TopicTwice { topic: Foreign },
 
     #[error(
         "paths name the topics {} and {}; what belongs to one sample must come in one message",
         topics[0], topics[1]
     )]
-    SeveralTopics { topics: [String; 2] },
+    SeveralTopics { topics: [Foreign; 2] },
 
     #[error(
         "a pitch alone has no yaw that could be measured from north: it is measured from the horizon \

@@ -38,7 +38,7 @@ pub fn parse(toml: &str) -> Result<Profile, NotAProfile> {
     let profile: Profile = table.clone().try_into().map_err(NotAProfile::Content)?;
     let known = Table::try_from(&profile).expect("a profile was read from TOML");
     if let Some(key) = unknown_key(&table, &known) {
-        return Err(NotAProfile::UnknownKey { key });
+        return Err(NotAProfile::UnknownKey { key: key.into() });
     }
     check(&profile)?;
     Ok(profile)
@@ -83,11 +83,11 @@ fn lift_topic(alternative: &mut Table) -> Result<(), BadRole> {
     match (topics.next(), topics.next()) {
         (None, _) => Ok(()),
         (Some(one), Some(other)) => Err(BadRole::SeveralTopics {
-            topics: [one, other],
+            topics: [one.into(), other.into()],
         }),
-        (Some(topic), None) if alternative.contains_key("topics") => {
-            Err(BadRole::TopicTwice { topic })
-        }
+        (Some(topic), None) if alternative.contains_key("topics") => Err(BadRole::TopicTwice {
+            topic: topic.into(),
+        }),
         (Some(topic), None) => {
             alternative.insert("topics".to_owned(), vec![topic].into());
             Ok(())
@@ -99,9 +99,11 @@ fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), BadRole>
     match value {
         Value::String(text) if text.starts_with(['/', '"']) => {
             let MessagePath { topic, field } = text.parse()?;
-            let field = field.ok_or_else(|| BadRole::NoField { path: text.clone() })?;
+            let field = field.ok_or_else(|| BadRole::NoField {
+                path: (&*text).into(),
+            })?;
             topics.push(topic);
-            *text = field.to_string();
+            *text = field.into();
             Ok(())
         }
         Value::Array(values) => values

@@ -41,7 +41,10 @@ impl RoleArgument {
         if fields.is_empty() {
             return match words.0.into_iter().next() {
                 None => Ok(Self::Topic(topic)),
-                Some(word) => Err(BadArgument::NoFields { topic, word }),
+                Some(word) => Err(BadArgument::NoFields {
+                    topic: topic.into(),
+                    word: word.into(),
+                }),
             };
         }
         let fields = match role {
@@ -183,9 +186,9 @@ impl FromStr for SampleTime {
             (path, unit) => {
                 let mut words = Words(unit.map(str::to_owned).into_iter().collect());
                 words.check(TIME_UNITS)?;
-                let path = path.parse().map_err(|_| BadArgument::NotATime {
-                    path: path.to_owned(),
-                })?;
+                let path = path
+                    .parse()
+                    .map_err(|_| BadArgument::NotATime { path: path.into() })?;
                 let unit = words.take();
                 Ok(Self::Field(TimeField { path, unit }))
             }

@@ -1,7 +1,7 @@
 //! What can be wrong with an argument.
 
 use super::parts::Vocabulary;
-use crate::{decode::path::NotAPath, sample::Kind, source::profile::BadRole};
+use crate::{decode::path::NotAPath, sample::Kind, source::profile::BadRole, text::Foreign};
 
 /// What is wrong with an argument.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -16,22 +16,22 @@ pub enum BadArgument {
         "{} and {} are different topics; every path begins with its topic (/imu.roll,/imu.pitch), \
          and what belongs to one sample must come in one message", topics[0], topics[1]
     )]
-    SeveralTopics { topics: [String; 2] },
+    SeveralTopics { topics: [Foreign; 2] },
 
     #[error(
         "`{word}` has no meaning here; after a colon there can be {}",
         in_words(known)
     )]
-    UnknownWord { word: String, known: Vocabulary },
+    UnknownWord { word: Foreign, known: Vocabulary },
 
     #[error("`{word}` does not go with the rest of the argument")]
-    LeftOver { word: String },
+    LeftOver { word: Foreign },
 
     #[error(
         "only a topic is given, which is read as the profile says; \
          name the fields that `{word}` is for, as in {topic}.field:{word}"
     )]
-    NoFields { topic: String, word: String },
+    NoFields { topic: Foreign, word: Foreign },
 
     #[error("{count} fields were given, but {}", takes(*role))]
     FieldCount { count: usize, role: Kind },
@@ -73,7 +73,7 @@ pub enum BadArgument {
         "`{path}` is not a time: write log, publish, or a field of the messages without their topic, \
          as in header.stamp or time_usec:us"
     )]
-    NotATime { path: String },
+    NotATime { path: Foreign },
 }
 
 /// How many fields a role takes.

@@ -43,7 +43,7 @@ impl Words {
         match self.0.iter().find(is_unknown) {
             None => Ok(()),
             Some(word) => Err(BadArgument::UnknownWord {
-                word: word.clone(),
+                word: word.into(),
                 known,
             }),
         }
@@ -53,7 +53,7 @@ impl Words {
     pub fn finish(self) -> Result<(), BadArgument> {
         match self.0.into_iter().next() {
             None => Ok(()),
-            Some(word) => Err(BadArgument::LeftOver { word }),
+            Some(word) => Err(BadArgument::LeftOver { word: word.into() }),
         }
     }
 }
@@ -103,7 +103,7 @@ impl FromStr for Parts {
             match topic {
                 Some(first) if first != path.topic => {
                     return Err(BadArgument::SeveralTopics {
-                        topics: [first, path.topic],
+                        topics: [first.into(), path.topic.into()],
                     });
                 }
                 _ => topic = Some(path.topic),

@@ -19,6 +19,7 @@ use crate::{
         profile::Profile,
         request::{Request, RoleArgument},
     },
+    text::Foreign,
 };
 
 /// Looks for what profiles name in one log. Schemas are read when they are needed and not kept, because in some logs
@@ -58,7 +59,7 @@ impl<'a> LogSearch<'a> {
         {
             return Err(TelemetryError::NoSuchNamespace {
                 path: self.log.file.path().into(),
-                namespace: namespace.to_owned(),
+                namespace: namespace.into(),
                 topics: LogTopics::of(self.log),
             });
         }
@@ -69,7 +70,7 @@ impl<'a> LogSearch<'a> {
             };
             let topics = argument.topics();
             if !topics.is_empty() && !topics.iter().any(is_there) {
-                let topics = topics.to_vec();
+                let topics = topics.iter().map(Foreign::from).collect();
                 return Err(self.role_does_not_fit(kind, Misfit::NoMessages { topics }));
             }
         }
@@ -215,7 +216,7 @@ fn no_topic(profile: &Profile, misfits: Vec<TopicMisfit>) -> Misfit {
     match schemas {
         [] => Misfit::NoSuchFields { fields, nearest },
         schemas => Misfit::NoSuchType {
-            schemas: schemas.to_vec(),
+            schemas: schemas.iter().map(Foreign::from).collect(),
             nearest,
         },
     }

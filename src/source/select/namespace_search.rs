@@ -18,6 +18,7 @@ use crate::{
         profile::{Alternative, Profile},
         request::RoleArgument,
     },
+    text::Foreign,
 };
 
 /// One profile in one namespace of a log.
@@ -135,21 +136,19 @@ impl NamespaceSearch<'_> {
     /// Why a role is on none of the log's topics.
     fn why_nowhere(&self, kind: Kind, own: Option<&str>) -> Misfit {
         let alternatives = self.profile.alternatives(kind);
-        let mut topics: Vec<String> = Vec::new();
+        let mut topics: Vec<Foreign> = Vec::new();
         for topic in alternatives.iter().flat_map(|one| &one.location.topics) {
-            let topic = self.pattern(kind, topic).to_string();
+            let topic = self.pattern(kind, topic).as_written();
             if !topics.contains(&topic) {
                 topics.push(topic);
             }
         }
         match own {
             _ if !topics.is_empty() => Misfit::NoMessages { topics },
-            Some(own) if !alternatives.is_empty() => Misfit::NotWithAttitude {
-                topic: own.to_owned(),
-            },
+            Some(own) if !alternatives.is_empty() => Misfit::NotWithAttitude { topic: own.into() },
             _ if self.is_requested(kind) => Misfit::OnlyATopic { role: kind },
             _ => Misfit::NotInProfile {
-                profile: self.profile.name.clone(),
+                profile: (&self.profile.name).into(),
                 role: kind,
             },
         }
@@ -181,8 +180,10 @@ impl NamespaceSearch<'_> {
             let mut binder = Binder::new(&schema);
             fields = bind_role(&mut binder, self.profile, kind, &alternatives)?.fields;
         }
-        let topic = topic.to_owned();
-        Ok(Origin { topic, fields })
+        Ok(Origin {
+            topic: topic.into(),
+            fields,
+        })
     }
 
     /// Those alternatives that are meant for a channel's type of message.
@@ -252,7 +253,7 @@ impl NamespaceSearch<'_> {
         let misfit = TopicMisfit::new(&channel.topic, error.unless_of_reading()?);
         Ok(TelemetryError::ProfileDoesNotFit {
             path: self.log_search.log.file.path().into(),
-            profile: self.profile.name.clone(),
+            profile: (&self.profile.name).into(),
             misfit: Misfit::Messages(misfit).into(),
             topics: LogTopics::of(self.log_search.log),
         })

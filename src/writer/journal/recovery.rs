@@ -104,7 +104,7 @@ fn recover(
         return Err(JournalError::Foreign {
             path: log_path.into(),
             journal: path,
-            of: String::from_utf8_lossy(&trailer.path).into_owned(),
+            of: String::from_utf8_lossy(&trailer.path).into_owned().into(),
         });
     }
     let change = Change {

@@ -101,7 +101,7 @@ fn the_encoding_is_the_telemetrys_by_default() {
         id: 1,
         schema_id: 0,
         topic: TELEMETRY.to_owned(),
-        message_encoding: encoding.to_owned(),
+        message_encoding: encoding.into(),
         metadata: BTreeMap::new(),
     };
     for (found, expected) in [
@@ -143,7 +143,7 @@ fn the_encoding_is_the_telemetrys_by_default() {
             report.encoding.telemetry_topic,
             report.encoding.telemetry_encoding,
         );
-        assert_eq!(telemetry, (TELEMETRY.to_owned(), name.to_owned()));
+        assert_eq!(telemetry, (TELEMETRY.into(), name.into()));
         for (channel, schema) in derived_channels(&result).iter().zip(schemas) {
             assert_eq!(channel.message_encoding, name);
             assert_eq!(channel.schema.as_ref().expect("a schema").name, schema);
@@ -409,8 +409,8 @@ fn a_requested_encoding_that_ros2_tools_refuse_is_noted() {
     ] {
         let (_, report) = enriched(&log, encoding);
         let expected = expected.map(|(topic, encoding): (&str, &str)| Note::ChannelNotRos2 {
-            topic: topic.to_owned(),
-            message_encoding: encoding.to_owned(),
+            topic: topic.into(),
+            message_encoding: encoding.into(),
         });
         assert_eq!(report.notes, Vec::from_iter(expected));
     }

@@ -75,7 +75,7 @@ pub fn check_counts(inspection: &Inspection, log: &[u8]) {
         let RoleReport::Found(role) = role else {
             continue;
         };
-        let topic = &topics[&role.topic];
+        let topic = &topics[role.topic.as_str()];
         let (times, seconds) = (&topic.times, |time: u64| time as f64 / 1e9);
         let [start, end] = [times[0], times[times.len() - 1]];
         assert_eq!(role.encoding, topic.encoding);
@@ -89,18 +89,18 @@ pub fn check_counts(inspection: &Inspection, log: &[u8]) {
         assert_eq!(role.read, role.tally.total());
         let invalid = role.tally.dropped.values().sum::<u64>() as f64;
         assert_eq!(role.share_invalid, invalid / role.read as f64);
-        used.push(&role.topic);
+        used.push(role.topic.as_str());
     }
-    topics.retain(|topic, _| !used.contains(&topic));
+    topics.retain(|topic, _| !used.contains(&topic.as_str()));
     let grouped = || inspection.other_topics.iter();
     let names = grouped().flat_map(|group| &group.topics);
-    let mut names: Vec<&String> = names.collect();
+    let mut names: Vec<&str> = names.map(|name| name.as_str()).collect();
     names.sort();
     assert!(names.into_iter().eq(topics.keys()));
     for group in grouped() {
-        let of_group = group.topics.iter().map(|topic| &topics[topic]);
+        let of_group = group.topics.iter().map(|topic| &topics[topic.as_str()]);
         assert!(of_group.clone().all(|topic| {
-            topic.encoding == group.encoding && topic.schema.starts_with(&group.schemas)
+            group.encoding == topic.encoding && topic.schema.starts_with(group.schemas.as_str())
         }));
         let messages: usize = of_group.map(|topic| topic.times.len()).sum();
         assert_eq!(group.messages, messages as u64);

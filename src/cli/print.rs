@@ -1,0 +1,111 @@
+//! All that the program prints. Control and format characters are escaped here, whoever put them into a text, so that
+//! no log, file name or argument can steer the terminal. A log's names do not break lines either, because
+//! [`flightcam::Foreign`] displays them in one line.
+
+use std::{
+    env,
+    fmt::{Display, Write as _},
+    io::{self, Write},
+    process,
+};
+
+use clap::error::{ContextKind, ContextValue};
+use flightcam::text::{escaped, escaped_lines, is_escaped};
+use serde::Serialize;
+
+/// A report in the making.
+#[derive(Default)]
+pub struct Page(String);
+
+impl Page {
+    /// Adds a line with a label, which may be empty.
+    pub fn line(&mut self, label: &str, content: impl Display) {
+        let _ = writeln!(self.0, "{label:<12}{}", escaped(content));
+    }
+
+    /// Adds lines below an empty one.
+    pub fn paragraph(&mut self, lines: &str) {
+        let _ = writeln!(self.0, "\n{}", lines.trim_end());
+    }
+
+    /// All of it.
+    pub fn text(&self) -> &str {
+        self.0.trim_end()
+    }
+}
+
+/// A report for scripts. Characters that JSON allows in texts and a terminal obeys are escaped as JSON does.
+pub fn to_json(report: &impl Serialize) -> String {
+    let json = serde_json::to_string_pretty(report).expect("reports have only string keys");
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '\n' => text.push(c),
+            c if is_escaped(c) => {
+                for unit in c.encode_utf16(&mut [0; 2]) {
+                    let _ = write!(text, "\\u{unit:04x}");
+                }
+            }
+            c => text.push(c),
+        }
+    }
+    text
+}
+
+/// Writes a result to standard output. A reader that stops reading early is no error; any other trouble is
+/// worth a warning, but what was done is done.
+pub fn print_result(text: &str) {
+    #[expect(clippy::disallowed_methods, reason = "it is escaped here")]
+    let mut out = io::stdout().lock();
+    match writeln!(out, "{}", escaped_lines(text)).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            complain("warning", &format!("cannot write the report: {error}"));
+        }
+        _ => {}
+    }
+}
+
+/// Writes a result to standard error, where standard output has something else.
+pub fn print_aside(text: &str) {
+    // Not worth failing for.
+    #[expect(clippy::disallowed_methods, reason = "it is escaped here")]
+    let _ = writeln!(io::stderr(), "{}", escaped_lines(text));
+}
+
+/// Says on standard error that something is not as it should be.
+pub fn complain(what: &str, message: &str) {
+    print_aside(&format!("{what}: {message}"));
+}
+
+/// Ends the process over arguments, or where they ask for help, with what clap says to them.
+pub fn exit_with(mut error: clap::Error) -> ! {
+    let mut arguments = env::args_os();
+    if !arguments.any(|argument| argument.to_string_lossy().contains(is_escaped)) {
+        error.exit();
+    }
+    // What clap quotes cannot be told from its own styles and lines once they are together.
+    let quotations: Vec<(ContextKind, ContextValue)> = (error.context())
+        .filter_map(|(kind, value)| Some((kind, quotation(value)?)))
+        .collect();
+    for (kind, value) in quotations {
+        error.insert(kind, value);
+    }
+    error.remove(ContextKind::Suggested);
+    let text = error.render().to_string();
+    match error.use_stderr() {
+        true => print_aside(text.trim_end()),
+        false => print_result(text.trim_end()),
+    }
+    process::exit(error.exit_code())
+}
+
+fn quotation(value: &ContextValue) -> Option<ContextValue> {
+    let escape = |text: &String| escaped(text).to_string();
+    match value {
+        ContextValue::String(text) => Some(ContextValue::String(escape(text))),
+        ContextValue::Strings(texts) => {
+            Some(ContextValue::Strings(texts.iter().map(escape).collect()))
+        }
+        _ => None,
+    }
+}
