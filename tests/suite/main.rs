@@ -15,11 +15,15 @@ mod readers;
 // Real flights, against an independent implementation.
 mod real_logs;
 mod restore;
+// Text from elsewhere, as it is shown.
+mod text;
 
 mod cli {
     mod camera_and_telemetry;
     mod completions_and_manual;
     mod enrich;
+    // What strangers name things reaches no terminal.
+    mod escapes;
     mod help;
     mod inspect;
     mod profiles;

@@ -111,6 +111,15 @@ impl Folder {
         (out, err)
     }
 
+    /// Runs the program with arguments of any text. Returns the exit code, standard output and standard error.
+    pub fn run_with(&self, arguments: &[&str]) -> (i32, String, String) {
+        let mut command = Command::new(cargo_bin!("flightcam"));
+        command.args(arguments);
+        let output = self.output(command);
+        let code = output.status.code().expect("it ends by itself");
+        (code, text(output.stdout), text(output.stderr))
+    }
+
     /// Runs the program where no file may become longer than that many blocks of 512 bytes. Returns the exit code,
     /// standard output and standard error.
     #[cfg(unix)]

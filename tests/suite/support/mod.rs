@@ -20,6 +20,7 @@ pub mod selecting;
 pub mod shapes;
 pub mod small_disk;
 pub mod small_logs;
+pub mod steering;
 pub mod telemetry;
 pub mod topics;
 
@@ -54,6 +55,16 @@ pub fn real_logs() -> Option<PathBuf> {
         "skipped: no real logs in {}; name their folder in FLIGHTCAM_REAL_LOGS",
         folder.display()
     );
+    None
+}
+
+/// A log made to do harm; `None`, with a message, where they are not.
+pub fn hostile_log(name: &str) -> Option<PathBuf> {
+    let log = repository("../shared/hostile").join(name);
+    if log.is_file() {
+        return Some(log);
+    }
+    eprintln!("skipped: there is no {}", log.display());
     None
 }
 

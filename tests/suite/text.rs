@@ -1,0 +1,284 @@
+//! Text from elsewhere as people get to read it, and as programs do.
+
+use std::path::{Path, PathBuf};
+
+use flightcam::{
+    Foreign, MissingReason,
+    decode::path::{FieldPath, MessagePath},
+    error::*,
+    sample::{Kind, Tally},
+    source::{Origin, request::BadArgument},
+    text,
+    writer::provenance::EarlierRun,
+};
+
+use crate::support::steering::*;
+
+#[test]
+fn characters_that_steer_are_escaped_as_in_rust() {
+    let text = Foreign::from(NASTY);
+    assert_eq!(text.to_string(), PRINTED);
+    assert_eq!(text::escaped(NASTY).to_string(), PRINTED);
+    assert_eq!(text::path(Path::new("a\tb\n")).to_string(), r"a\tb\n");
+    let lines = text::escaped_lines("one\n\u{1b}two\r\n").to_string();
+    assert_eq!(lines, "one\n\\u{1b}two\\r\n");
+    assert_eq!(
+        text::join(["a\n", "b"].map(Foreign::from), " or "),
+        r"a\n or b"
+    );
+}
+
+#[test]
+fn exactly_what_steers_is_escaped() {
+    for c in '\0'..=char::MAX {
+        let shown = Foreign::from(c.to_string()).to_string();
+        assert_eq!(shown != c.to_string(), text::is_escaped(c), "{c:?}");
+        assert!(!shown.contains(steers), "{c:?} is shown as {shown:?}");
+        if text::is_escaped(c) {
+            assert!(shown.is_ascii() && shown.starts_with('\\'), "{shown:?}");
+        }
+    }
+    assert!(alphabet().into_iter().all(text::is_escaped));
+}
+
+#[test]
+fn ordinary_text_of_all_scripts_is_shown_as_it_is() {
+    let texts = [
+        r"/drone/é C:\logs\n \u{1b} `quoted` 'quoted' $HOME",
+        "e\u{301} Å ß İ ς",
+        "中文 日本語 한국어",
+        "العربية עברית हिन्दी ไทย",
+        "🚁 👍🏽 ❤\u{fe0f} 🇩🇪",
+        "Привет Ελληνικά",
+        "\u{a0}\u{3000}",
+    ];
+    for text in texts {
+        assert_eq!(Foreign::from(text).to_string(), text);
+    }
+}
+
+#[test]
+fn to_programs_a_text_is_as_it_was_found() {
+    let text = Foreign::from(NASTY);
+    assert_eq!(text, NASTY);
+    assert_eq!(text.as_str(), NASTY);
+    assert_eq!(text.len(), NASTY.len());
+    let json = serde_json::to_value(&text).expect("JSON");
+    assert_eq!(json, NASTY);
+}
+
+#[test]
+fn a_field_path_is_shown_escaped_and_written_as_it_was_found() {
+    let path: FieldPath = "a\u{1b}.b[0]".parse().expect("a path");
+    assert_eq!(path.to_string(), r"a\u{1b}.b[0]");
+    assert_eq!(String::from(path.clone()), "a\u{1b}.b[0]");
+    assert_eq!(serde_json::to_value(&path).expect("JSON"), "a\u{1b}.b[0]");
+}
+
+fn nasty() -> Foreign {
+    NASTY.into()
+}
+
+fn path() -> PathBuf {
+    NASTY.into()
+}
+
+fn field() -> FieldPath {
+    "a\u{1b}\n".parse().expect("a path")
+}
+
+fn topics() -> LogTopics {
+    let topic = LogTopic {
+        topic: nasty(),
+        message_encoding: nasty(),
+        schema: Some(nasty()),
+    };
+    LogTopics([topic].into())
+}
+
+/// What an error says, and in how many lines.
+type Said = (String, usize);
+
+fn said<E: std::error::Error>(lines: usize, errors: impl IntoIterator<Item = E>) -> Vec<Said> {
+    let said = |error: E| (error.to_string(), lines);
+    errors.into_iter().map(said).collect()
+}
+
+#[test]
+fn no_error_says_a_name_unescaped() {
+    let misfits = || {
+        [
+            Misfit::NoMessages {
+                topics: vec![nasty(); 2],
+            },
+            Misfit::NoMessages {
+                topics: vec![nasty(); 9],
+            },
+            Misfit::NotWithAttitude { topic: nasty() },
+            Misfit::NotInProfile {
+                profile: nasty(),
+                role: Kind::Gimbal,
+            },
+            Misfit::NoSuchFields {
+                fields: vec![field()],
+                nearest: None,
+            },
+            Misfit::NoSuchType {
+                schemas: vec![nasty(); 2],
+                nearest: None,
+            },
+        ]
+    };
+    let misfit = || Box::new(misfits()[2].clone());
+    let two = || [nasty(), nasty()];
+    let read = [
+        ReadError::NotAFile { path: path() },
+        ReadError::Locked { path: path() },
+        ReadError::NotMcap {
+            path: path(),
+            format: None,
+        },
+        ReadError::Damaged {
+            path: path(),
+            offset: 1,
+            damage: ChunkFault::UnknownCompression(nasty()).into(),
+        },
+        JournalError::Foreign {
+            path: path(),
+            journal: path(),
+            of: NASTY.to_owned(),
+        }
+        .into(),
+    ];
+    let mut earlier = EarlierRun::default();
+    (earlier.version, earlier.camera) = (Some(nasty()), Some(nasty()));
+    let write = [
+        WriteError::TopicTaken {
+            path: path(),
+            topic: "/t",
+            schema: Some(nasty()),
+        },
+        WriteError::AlreadyEnriched {
+            path: path(),
+            topic: "/t",
+            earlier: earlier.into(),
+            reason: Lost::Rewritten,
+        },
+        WriteError::NoFolder {
+            path: path(),
+            folder: path(),
+        },
+        WriteError::OutputExists { path: path() },
+        WriteError::JournalInTheWay {
+            path: path(),
+            journal: path(),
+        },
+    ];
+    let single = [
+        TelemetryError::SeveralTopicsFit {
+            path: path(),
+            topics: two().into(),
+        },
+        TelemetryError::SeveralVehicles {
+            path: path(),
+            namespaces: two().into(),
+        },
+    ];
+    let listing = [
+        TelemetryError::NoSuchNamespace {
+            path: path(),
+            namespace: nasty(),
+            topics: topics(),
+        },
+        TelemetryError::RoleDoesNotFit {
+            path: path(),
+            role: Kind::Gimbal,
+            misfit: misfit(),
+            topics: topics(),
+        },
+        TelemetryError::ProfileDoesNotFit {
+            path: path(),
+            profile: nasty(),
+            misfit: misfit(),
+            topics: topics(),
+        },
+        TelemetryError::SeveralProfilesFit {
+            path: path(),
+            fits: vec![(nasty(), nasty()); 2],
+        },
+    ];
+    let not_found = TelemetryError::NotFound {
+        path: path(),
+        tried: vec![(nasty(), *misfit())],
+        topics: topics(),
+    };
+    let reason = MissingReason::TooFewUsable {
+        sample: Kind::Attitude,
+        needed: 2,
+        topic: nasty(),
+        tally: Tally::default(),
+    };
+    let displayed = [
+        reason.to_string(),
+        Origin {
+            topic: nasty(),
+            fields: vec![field()],
+        }
+        .to_string(),
+    ];
+    let profile = [
+        ProfileError::Unknown {
+            name: nasty(),
+            built_in: vec![nasty()],
+        },
+        ProfileError::Bad {
+            path: path(),
+            problem: NotAProfile::UnknownKey { key: nasty() },
+        },
+    ];
+    let role = [
+        BadRole::NoField { path: nasty() },
+        BadRole::TopicTwice { topic: nasty() },
+        BadRole::SeveralTopics { topics: two() },
+    ];
+    let argument = [
+        BadArgument::SeveralTopics { topics: two() },
+        BadArgument::UnknownWord {
+            word: nasty(),
+            known: &[&["m"]],
+        },
+        BadArgument::LeftOver { word: nasty() },
+        BadArgument::NoFields {
+            topic: nasty(),
+            word: nasty(),
+        },
+        BadArgument::NotATime { path: nasty() },
+    ];
+    let not_paths = [
+        "\u{1b}\n]".parse::<FieldPath>().err(),
+        "\n[".parse::<MessagePath>().map(|_| ()).err(),
+    ];
+    let run = RunError::NotRestorable {
+        path: path(),
+        reason: Lost::NotEnriched,
+    };
+    let all = [
+        said(1, misfits()),
+        said(1, read),
+        said(1, write),
+        said(1, single),
+        said(3, listing),
+        said(5, [not_found]),
+        displayed.map(|text| (text, 1)).into(),
+        said(1, profile),
+        said(1, role),
+        said(1, argument),
+        said(1, not_paths.into_iter().flatten()),
+        said(1, [run]),
+    ];
+    for (text, lines) in all.concat() {
+        assert_shown(&text);
+        assert!(text.contains('\\'), "{text}");
+        assert_eq!(text.lines().count(), lines, "{text}");
+    }
+}
