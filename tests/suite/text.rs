@@ -97,11 +97,14 @@ fn topics() -> LogTopics {
 }
 
 /// What an error says, and in how many lines.
-type Said = (String, usize);
+type Message = (String, usize);
 
-fn said<E: std::error::Error>(lines: usize, errors: impl IntoIterator<Item = E>) -> Vec<Said> {
-    let said = |error: E| (error.to_string(), lines);
-    errors.into_iter().map(said).collect()
+fn messages<E: std::error::Error>(
+    lines: usize,
+    errors: impl IntoIterator<Item = E>,
+) -> Vec<Message> {
+    let messages = |error: E| (error.to_string(), lines);
+    errors.into_iter().map(messages).collect()
 }
 
 #[test]
@@ -143,12 +146,18 @@ fn no_error_says_a_name_unescaped() {
             offset: 1,
             damage: ChunkFault::UnknownCompression(nasty()).into(),
         },
+    ];
+    let journal = [
         JournalError::Foreign {
             path: path(),
             journal: path(),
-            of: NASTY.to_owned(),
-        }
-        .into(),
+            of: nasty(),
+        },
+        JournalError::Distrusted {
+            path: path(),
+            journal: path(),
+            fault: JournalFault::Empty,
+        },
     ];
     let mut earlier = EarlierRun::default();
     (earlier.version, earlier.camera) = (Some(nasty()), Some(nasty()));
@@ -263,18 +272,19 @@ fn no_error_says_a_name_unescaped() {
         reason: Lost::NotEnriched,
     };
     let all = [
-        said(1, misfits()),
-        said(1, read),
-        said(1, write),
-        said(1, single),
-        said(3, listing),
-        said(5, [not_found]),
+        messages(1, misfits()),
+        messages(1, read),
+        messages(1, journal),
+        messages(1, write),
+        messages(1, single),
+        messages(3, listing),
+        messages(5, [not_found]),
         displayed.map(|text| (text, 1)).into(),
-        said(1, profile),
-        said(1, role),
-        said(1, argument),
-        said(1, not_paths.into_iter().flatten()),
-        said(1, [run]),
+        messages(1, profile),
+        messages(1, role),
+        messages(1, argument),
+        messages(1, not_paths.into_iter().flatten()),
+        messages(1, [run]),
     ];
     for (text, lines) in all.concat() {
         assert_shown(&text);
