@@ -41,13 +41,13 @@
 //! | `camera` | how the camera is mounted on the drone | geometry, sample, derived |
 //! | `transform` | samples → derived values, a state machine without I/O | the four above |
 //! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nothing |
-//! | `log` | the MCAP container: what a log holds and where, its journal, its messages | fs |
+//! | `log` | the MCAP container: what a log contains and where, its messages | fs, text |
 //! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log |
 //! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry |
 //! | `reader` | log + source → samples in time order | log, source, sample |
 //! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | derived |
-//! | `writer` | derived values → channels added to a log; the original that an enriched log carries | fs, log, derived, messages |
-//! | `watch` | progress and cancellation | log |
+//! | `writer` | derived values → channels added to a log; the journal of a change in place; the original that an enriched log carries | fs, log, derived, messages |
+//! | `watch` | progress and cancellation | writer |
 //! | `options` | what the caller decides about a run | camera, source, transform, messages, writer, watch |
 //! | `report` | what a run found and did, as data | what it reports on |
 //! | `run` | what all runs share: an input, an output, a watcher, an outcome | fs, log, watch, writer, report |
