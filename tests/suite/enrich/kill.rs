@@ -25,7 +25,7 @@ use flightcam::{
 };
 use signal_hook::{consts::SIGKILL, low_level::raise};
 
-use crate::support::{folder::*, interrupted::*, shapes::*, *};
+use crate::support::{folder::*, interrupted::*, shapes::*, small_disk::run_mounting, *};
 
 /// What the next run does first with a log of which a change was killed.
 #[derive(Debug)]
@@ -441,4 +441,61 @@ fn a_program_that_is_killed_at_any_moment_loses_nothing() {
         }
     }
     println!("from outside, {tally}");
+}
+
+#[test]
+fn a_program_that_is_killed_while_it_writes_a_new_file_leaves_nothing() {
+    let log = long_log();
+    let (result, _) = enrich_bytes(&log).expect("a result");
+    let (mut killed, mut ended) = (0, 0);
+    let begun = Instant::now();
+    Folder::with(LOG, &log).run("enrich flight.mcap --depression 30", 0);
+    let whole_run = begun.elapsed();
+    for turn in 0..30 {
+        let folder = Folder::with(LOG, &log);
+        let mut program = Command::new(cargo_bin!("flightcam"));
+        program.args(["enrich", LOG, "--depression", "30", "--quiet"]);
+        if turn % 2 == 0 {
+            folder.add(RESULT, "of another flight");
+            program.arg("--force");
+        }
+        let program = program.current_dir(folder.path(".")).spawn();
+        let mut program = program.expect("the program");
+        thread::sleep(whole_run.mul_f64(draw()));
+        program.kill().expect("it is killed, or has ended");
+        match program.wait().expect("it has ended").signal() {
+            Some(SIGKILL) => killed += 1,
+            _ => ended += 1,
+        }
+        assert!(folder.read(LOG) == log);
+        let names: Vec<_> = folder.contents().into_keys().collect();
+        assert!(names.len() <= 2, "{names:?}");
+        if folder.path(RESULT).exists() {
+            let there = folder.read(RESULT);
+            assert!(there == result || there == b"of another flight");
+        }
+    }
+    println!("{killed} runs were killed, {ended} had ended");
+    assert!(killed > 5);
+}
+
+#[test]
+fn what_a_killed_run_leaves_without_unnamed_files_the_next_one_removes() {
+    let log = long_log();
+    let (result, _) = enrich_bytes(&log).expect("a result");
+    let folder = Folder::with(LOG, &log);
+    folder.add(".other.mcap.abcdef.flightcam-part", "of another output");
+    // Without /proc, a file without a name cannot be given one.
+    let enrich = "\"$flightcam\" enrich flight.mcap --depression 30 --quiet";
+    let script = format!(
+        "mount -t tmpfs tmpfs /proc && {{ {enrich} & }}; pid=$!; \
+         while ! ls -a | grep -q '^.flight.enriched.mcap.*flightcam-part'; do :; done; \
+         kill -9 $pid; wait $pid; ls -a | grep -c flightcam-part; {enrich}; ls -a | grep -c flightcam-part"
+    );
+    let Some(run) = run_mounting(&folder, &script) else {
+        return;
+    };
+    let counts = String::from_utf8(run.stdout).expect("counts");
+    assert_eq!(counts, "2\n1\n", "{}", String::from_utf8_lossy(&run.stderr));
+    assert!(folder.read(RESULT) == result);
 }
