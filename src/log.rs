@@ -4,20 +4,20 @@
 //! that comes through a pipe is read [while it is passed on](stream). Either way its messages are in
 //! [segments](contents::Segment): chunks, or runs of messages outside chunks.
 
+pub(crate) mod chunk;
 pub mod contents;
 pub mod file;
 pub(crate) mod fingerprint;
 pub(crate) mod message_index;
 pub mod record;
+pub(crate) mod scan;
 pub mod stream;
+pub(crate) mod summary;
 
-mod chunk;
 mod error;
 mod message_times;
 mod partial_chunk;
-mod scan;
 mod segment;
-mod summary;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -29,7 +29,7 @@ use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, op};
 use contents::Contents;
 use file::LogFile;
 use record::{Records, parse};
-use scan::{Bodies, Collector, Next, Walker};
+use scan::{Bodies, Collector, Frame, Next, Walker};
 use summary::{DATA_END_LENGTH, Ending};
 
 pub use crate::fs::Access;
@@ -113,20 +113,17 @@ impl Log {
         let mut collector = Collector::default();
         let stop = loop {
             match walker.step()? {
-                Next::Record(frame) if frame.opcode == op::DATA_END => {
-                    let body = walker.body(&frame, DATA_END_LENGTH as u64)?;
-                    break Stop::data_end(frame.offset, body);
+                Next::Record(frame) => {
+                    if let Some(stop) = Stop::at(&mut walker, &frame)? {
+                        break stop;
+                    }
+                    collector.record(&mut walker, &frame)?;
                 }
-                Next::Record(frame) if frame.opcode == op::FOOTER => {
-                    break Stop::Footer {
-                        offset: frame.offset,
-                    };
-                }
-                Next::Record(frame) => collector.record(&mut walker, &frame)?,
                 Next::End => break Stop::End { offset: end },
                 Next::Torn { offset } => break Stop::Torn { offset },
             }
         };
+        stop.check(&file, ending.as_ref())?;
         let log = Self::read_to_end(file, header, ending, stop, collector)?;
         // Its summary, even if it agrees with what was found, was not enough to find it.
         let scanned = log.scanned.or(Some(ScanReason::IncompleteSummary));
@@ -144,7 +141,7 @@ impl Log {
         let mut data_crc = ending.as_ref().and_then(|ending| ending.data_crc);
         let mut breaks_off_at = None;
         let data_end = match stop {
-            Stop::DataEnd { offset, crc } => {
+            Stop::DataEnd { offset, crc, .. } => {
                 data_crc = crc;
                 offset
             }
@@ -159,7 +156,7 @@ impl Log {
                 breaks_off_at = ending.is_none().then_some(offset);
                 offset
             }
-            Stop::Footer { offset } => offset,
+            Stop::Footer { offset, .. } => offset,
         };
         let defined_in_chunks = std::mem::take(&mut collector.defined_in_chunks);
         let mut contents = collector.finish();
@@ -197,6 +194,8 @@ impl Log {
     }
 
     fn metadata_at(&self, index: &MetadataIndex) -> Result<Metadata, ReadError> {
+        (chunk::check_length(index.length))
+            .map_err(|damage| self.file.damaged(index.offset, damage))?;
         let bytes = self.file.read(index.offset, index.length)?;
         let record = Records::new(&bytes).next().and_then(Result::ok);
         record
@@ -248,9 +247,13 @@ impl Log {
 /// Where reading a log record by record stopped.
 enum Stop {
     /// Reading stopped at the DataEnd record, which may have the data section's checksum.
-    DataEnd { offset: u64, crc: Option<u32> },
+    DataEnd {
+        offset: u64,
+        end: u64,
+        crc: Option<u32>,
+    },
     /// Reading stopped at the footer of a log without a DataEnd record.
-    Footer { offset: u64 },
+    Footer { offset: u64, end: u64 },
     /// Reading stopped where the data section should end, after a whole record.
     End { offset: u64 },
     /// Reading stopped before the data section's end, because there is no whole record.
@@ -258,12 +261,39 @@ enum Stop {
 }
 
 impl Stop {
-    /// Reading stopped at the DataEnd record with this body.
-    fn data_end(offset: u64, body: &[u8]) -> Self {
-        let crc = parse(body).map_or(0, |end: DataEnd| end.data_section_crc);
-        Self::DataEnd {
-            offset,
-            crc: (crc != 0).then_some(crc),
+    /// At a record, if that ends the data.
+    fn at(bodies: &mut impl Bodies, frame: &Frame) -> Result<Option<Self>, ReadError> {
+        let (offset, end) = (frame.offset, frame.end());
+        Ok(match frame.opcode {
+            op::DATA_END => {
+                let body = bodies.body(frame, DATA_END_LENGTH as u64)?;
+                let crc = parse(body).map_or(0, |end: DataEnd| end.data_section_crc);
+                Some(Self::DataEnd {
+                    offset,
+                    end,
+                    crc: (crc != 0).then_some(crc),
+                })
+            }
+            op::FOOTER => Some(Self::Footer { offset, end }),
+            _ => None,
+        })
+    }
+
+    /// Checks that the log does not go on after the record that ends its data: that this is the one of its `ending`, or,
+    /// in a log that was not closed, that at most a summary follows.
+    fn check(&self, file: &LogFile, ending: Option<&Ending>) -> Result<(), ReadError> {
+        let (offset, end, kind) = match *self {
+            Self::DataEnd { offset, end, .. } => (offset, end, RecordKind::DataEnd),
+            Self::Footer { offset, end } => (offset, end, RecordKind::Footer),
+            Self::End { .. } | Self::Torn { .. } => return Ok(()),
+        };
+        let goes_on = match ending {
+            Some(ending) => ending.data_end != offset,
+            None => summary::goes_on(file, end)?,
+        };
+        match goes_on {
+            true => Err(file.damaged(offset, Damage::EarlyEnd(kind))),
+            false => Ok(()),
         }
     }
 }
@@ -275,7 +305,7 @@ fn read_header(file: &LogFile) -> Result<Header, ReadError> {
     let mut walker = Walker::new(file, magic_length, file.length());
     if let Next::Record(frame) = walker.step()?
         && frame.opcode == op::HEADER
-        && let Ok(header) = parse(walker.body(&frame, u64::MAX)?)
+        && let Ok(header) = parse(walker.whole(&frame)?)
     {
         return Ok(header);
     }

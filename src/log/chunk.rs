@@ -1,21 +1,20 @@
 //! The content of a chunk.
 
-use std::{borrow::Cow, io::Read};
+use std::io::Read;
 
-use mcap::records::{ChunkHeader, Record, op};
+use mcap::records::{ChunkHeader, op};
 
 use super::{
-    error::{ChunkFault, ReadError},
+    error::{ChunkFault, Damage, ReadError},
     file::LogFile,
-    record::{RawRecord, Records},
+    record::{FRAME_LENGTH, MAX_RECORD, RawRecord, Records, split},
 };
 
-/// More than any recorder puts into a chunk. A chunk that claims more is refused before it fills the memory.
-const MAX_CONTENT: u64 = 1 << 30;
+/// A byte compressed with zstd becomes at most 32 KiB: 4 bytes are a block of up to 128 KiB.
+const ZSTD_RATIO: u64 = 32 * 1024;
 
-/// The most bytes of a chunk's record: content that does not compress becomes a little longer. No other record that is
-/// needed as a whole is longer.
-pub const MAX_RECORD: u64 = MAX_CONTENT + MAX_CONTENT / 64;
+/// A byte compressed with lz4 becomes at most 255, because it says by how much a repetition is longer.
+const LZ4_RATIO: u64 = 255;
 
 /// Reads chunks, reusing its buffers from one to the next.
 #[derive(Default)]
@@ -43,7 +42,7 @@ impl ChunkReader {
         offset: u64,
         length: u64,
     ) -> Result<(ChunkHeader, Records<'_>), ReadError> {
-        check_length(length).map_err(|fault| file.damaged(offset, fault))?;
+        check_length(length).map_err(|damage| file.damaged(offset, damage))?;
         file.read_into(&mut self.raw, offset, length)?;
         let body = match Records::new(&self.raw).next() {
             Some(Ok(RawRecord {
@@ -58,23 +57,19 @@ impl ChunkReader {
     }
 }
 
-/// Refuses a record that is too long for a chunk before it is read.
-pub fn check_length(length: u64) -> Result<(), ChunkFault> {
-    match length {
+/// Refuses a record, with its frame, that is too long before it is read.
+pub fn check_length(length: u64) -> Result<(), Damage> {
+    match length.saturating_sub(FRAME_LENGTH as u64) {
         0..=MAX_RECORD => Ok(()),
-        _ => Err(ChunkFault::TooLarge(length)),
+        length => Err(Damage::TooLong { length }),
     }
 }
 
 /// Splits the body of a chunk's record into its header and its compressed content.
-fn split(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
-    match mcap::parse_record(op::CHUNK, body).ok()? {
-        Record::Chunk {
-            header,
-            data: Cow::Borrowed(data),
-        } => Some((header, data)),
-        _ => None,
-    }
+fn split_chunk(body: &[u8]) -> Option<(ChunkHeader, &[u8])> {
+    let (header, rest): (ChunkHeader, _) = split(body).ok()?;
+    let compressed = rest.get(..usize::try_from(header.compressed_size).ok()?)?;
+    Some((header, compressed))
 }
 
 impl ChunkDecoder {
@@ -84,7 +79,7 @@ impl ChunkDecoder {
         &'a mut self,
         body: &'a [u8],
     ) -> Result<(ChunkHeader, Records<'a>), ChunkFault> {
-        let (header, compressed) = split(body).ok_or(ChunkFault::Malformed)?;
+        let (header, compressed) = split_chunk(body).ok_or(ChunkFault::Malformed)?;
         let content = self.decode(&header, compressed)?;
         Ok((header, Records::new(content)))
     }
@@ -97,7 +92,7 @@ impl ChunkDecoder {
         let content = match header.compression.as_str() {
             "" => compressed,
             "zstd" => {
-                self.reserve(header.uncompressed_size)?;
+                self.reserve(header.uncompressed_size, compressed, ZSTD_RATIO)?;
                 let zstd = match &mut self.zstd {
                     Some(zstd) => zstd,
                     empty => empty.insert(zstd::bulk::Decompressor::new()?),
@@ -106,14 +101,18 @@ impl ChunkDecoder {
                 &self.content
             }
             "lz4" => {
-                self.reserve(header.uncompressed_size)?;
+                self.reserve(header.uncompressed_size, compressed, LZ4_RATIO)?;
                 // Reading one byte more than there should be detects longer content.
                 lz4::Decoder::new(compressed)?
                     .take(header.uncompressed_size.saturating_add(1))
                     .read_to_end(&mut self.content)?;
                 &self.content
             }
-            other => return Err(ChunkFault::UnknownCompression(other.into())),
+            // The name may be as long as the chunk.
+            other => {
+                let name: String = other.chars().take(64).collect();
+                return Err(ChunkFault::UnknownCompression(name.into()));
+            }
         };
         if content.len() as u64 != header.uncompressed_size {
             return Err(ChunkFault::Length {
@@ -133,12 +132,18 @@ impl ChunkDecoder {
         Ok(content)
     }
 
-    fn reserve(&mut self, size: u64) -> Result<(), ChunkFault> {
+    /// Makes room for the content, unless so few bytes cannot become that many.
+    fn reserve(&mut self, size: u64, compressed: &[u8], ratio: u64) -> Result<(), ChunkFault> {
         self.content.clear();
-        usize::try_from(size)
-            .ok()
-            .filter(|_| size <= MAX_CONTENT)
-            .and_then(|size| self.content.try_reserve_exact(size).ok())
-            .ok_or(ChunkFault::TooLarge(size))
+        if size > MAX_RECORD {
+            return Err(ChunkFault::TooLarge { size });
+        }
+        let compressed = compressed.len();
+        if size > ratio * compressed as u64 {
+            return Err(ChunkFault::Impossible { size, compressed });
+        }
+        // One more, which is read to see whether the content ends.
+        let reserved = self.content.try_reserve_exact(size as usize + 1);
+        reserved.map_err(|_| ChunkFault::OutOfMemory { size })
     }
 }

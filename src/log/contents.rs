@@ -9,7 +9,10 @@ use mcap::records::{
     AttachmentIndex, Channel, ChunkIndex, MetadataIndex, SchemaHeader, Statistics, op,
 };
 
-use super::record::{Raw, parse};
+use super::{
+    error::Damage,
+    record::{MAX_RECORD, Raw, parse},
+};
 
 /// An index of the log's records; its size does not depend on the message count.
 #[derive(Debug, Clone, Default)]
@@ -28,6 +31,29 @@ pub struct Contents {
     pub mentioned_channel_ids: BTreeSet<u16>,
     /// Records of the summary section of unknown kinds: opcode and body.
     pub unknown_summary: Vec<(u8, Vec<u8>)>,
+}
+
+/// How much more of a log may be kept in memory, apart from what grows with its messages. All definitions, names and
+/// unknown records of a real log take a few megabytes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Room(u64);
+
+impl Default for Room {
+    fn default() -> Self {
+        Self(MAX_RECORD)
+    }
+}
+
+impl Room {
+    /// Takes up that many bytes.
+    ///
+    /// # Errors
+    /// There is not that much room left.
+    pub fn take(&mut self, length: usize) -> Result<(), Damage> {
+        let left = self.0.checked_sub(length as u64);
+        self.0 = left.ok_or(Damage::TooMuch)?;
+        Ok(())
+    }
 }
 
 /// Schemas and channels by id; of several records with the same id, the first.

@@ -5,6 +5,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use mcap::records::op;
+
+use super::record::MAX_RECORD;
 use crate::text::{self, Foreign};
 
 /// Why a log cannot be read.
@@ -81,8 +84,21 @@ pub enum Damage {
     BeyondEnd { length: u64 },
     #[error("{length} bytes do not fit in memory")]
     OutOfMemory { length: u64 },
-    #[error("the record there is {length} bytes long; at most 1 GiB is read")]
+    #[error("the record there is {length} bytes long; at most {} MiB is read", MAX_RECORD >> 20)]
     TooLong { length: u64 },
+    #[error(
+        "with the record there, what would have to be kept of the log in memory is more than {} MiB",
+        MAX_RECORD >> 20
+    )]
+    TooMuch,
+    #[error("the {kind} in the chunk there, at byte {position} of its content, cannot be read")]
+    MalformedInChunk { kind: RecordKind, position: u64 },
+    #[error(
+        "there is a {kind} in the chunk there, at byte {position} of its content, and no chunk holds such a record"
+    )]
+    MisplacedInChunk { kind: RecordKind, position: u64 },
+    #[error("the {0} there ends the log's data, but the log goes on after it")]
+    EarlyEnd(RecordKind),
     #[error("what is said to be the original's end begins elsewhere")]
     MisplacedEnd,
 }
@@ -102,6 +118,47 @@ pub enum RecordKind {
     Attachment,
     #[error("metadata record")]
     Metadata,
+    #[error("header")]
+    Header,
+    #[error("footer")]
+    Footer,
+    #[error("chunk")]
+    Chunk,
+    #[error("chunk index")]
+    ChunkIndex,
+    #[error("attachment index")]
+    AttachmentIndex,
+    #[error("statistics record")]
+    Statistics,
+    #[error("metadata index")]
+    MetadataIndex,
+    #[error("summary offset")]
+    SummaryOffset,
+    #[error("DataEnd record")]
+    DataEnd,
+}
+
+impl RecordKind {
+    /// The kind of record that an opcode stands for; `None` if the format does not define it.
+    pub(super) fn of(opcode: u8) -> Option<Self> {
+        Some(match opcode {
+            op::HEADER => Self::Header,
+            op::FOOTER => Self::Footer,
+            op::SCHEMA | op::CHANNEL => Self::Definition,
+            op::MESSAGE => Self::Message,
+            op::CHUNK => Self::Chunk,
+            op::MESSAGE_INDEX => Self::MessageIndex,
+            op::CHUNK_INDEX => Self::ChunkIndex,
+            op::ATTACHMENT => Self::Attachment,
+            op::ATTACHMENT_INDEX => Self::AttachmentIndex,
+            op::STATISTICS => Self::Statistics,
+            op::METADATA => Self::Metadata,
+            op::METADATA_INDEX => Self::MetadataIndex,
+            op::SUMMARY_OFFSET => Self::SummaryOffset,
+            op::DATA_END => Self::DataEnd,
+            _ => return None,
+        })
+    }
 }
 
 /// Why a chunk has no readable content.
@@ -121,8 +178,12 @@ pub enum ChunkFault {
         "its content does not have the checksum that was recorded ({expected:08x}, not {found:08x})"
     )]
     Checksum { expected: u32, found: u32 },
-    #[error("it is said to hold {0} bytes; at most 1 GiB is read")]
-    TooLarge(u64),
+    #[error("it is said to hold {size} bytes; at most {} MiB is read", MAX_RECORD >> 20)]
+    TooLarge { size: u64 },
+    #[error("it is said to hold {size} bytes, which cannot come from {compressed} compressed ones")]
+    Impossible { size: u64, compressed: usize },
+    #[error("the {size} bytes that it is said to hold do not fit in memory")]
+    OutOfMemory { size: u64 },
 }
 
 /// A format whose files are easily mistaken for MCAP.

@@ -113,6 +113,19 @@ impl LogFile {
         }
     }
 
+    /// The same log with its own end again.
+    ///
+    /// # Errors
+    /// Its length cannot be read.
+    pub fn without_tail(self) -> Result<Self, ReadError> {
+        let length = self.own_bytes().length();
+        Ok(Self {
+            length: length.map_err(|source| cannot_open(&self.path, source))?,
+            tail: None,
+            ..self
+        })
+    }
+
     /// Whether another log has the same bytes from `start` on.
     ///
     /// # Errors

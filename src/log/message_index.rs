@@ -12,8 +12,11 @@ use super::{
     summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
 };
 
-/// The entries of a channel's message index; `None` if the segment has no index of that channel, or one that does not
-/// list as many messages as the channel has there.
+/// A longer message index is not used: it takes more memory than the chunk of even a million messages does.
+const LONGEST: u64 = 32 * 1024 * 1024;
+
+/// The entries of a channel's message index; `None` if the segment has no index of that channel, or a very long one, or
+/// one that does not list as many messages as the channel has there.
 pub fn message_index(
     file: &LogFile,
     segment: &Segment,
@@ -28,8 +31,8 @@ pub fn message_index(
         return Ok(None);
     };
     // The length that follows from the count, regardless of what the record itself claims.
-    let length = MESSAGE_INDEX_PREFIX + count * MESSAGE_INDEX_ENTRY;
-    if offset.saturating_add(length) > file.length() {
+    let length = MESSAGE_INDEX_PREFIX.saturating_add(count.saturating_mul(MESSAGE_INDEX_ENTRY));
+    if length > LONGEST || offset.saturating_add(length) > file.length() {
         return Ok(None);
     }
     let record = file.read(offset, length)?;

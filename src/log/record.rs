@@ -1,11 +1,21 @@
 //! Records as MCAP frames them: an opcode, a length, a body (<https://mcap.dev/spec#records>).
 
+mod fields;
+
 use std::io::Cursor;
 
-use binrw::{BinRead, BinWrite};
+use binrw::{BinRead, BinWrite, binread};
+use mcap::records::AttachmentHeader;
+
+pub use fields::{Field, Fields, Unreadable};
 
 /// Bytes before a record's body: its opcode and its length.
 pub const FRAME_LENGTH: usize = 1 + 8;
+
+/// The longest body of a record that is held in memory, and the longest content of a chunk. Recorders write chunks of a
+/// few megabytes, and no drone sends a message that long. It is short enough that what a few threads hold of a log that
+/// lies about its lengths fits in 2 GB.
+pub const MAX_RECORD: u64 = 256 * 1024 * 1024;
 
 /// Bytes of a message record's body before the payload.
 pub(super) const MESSAGE_HEADER_LENGTH: usize = 2 + 4 + 8 + 8;
@@ -115,10 +125,13 @@ pub struct Raw<T> {
 
 impl<T> Raw<T>
 where
-    T: for<'a> BinRead<Args<'a> = ()> + for<'a> BinWrite<Args<'a> = ()>,
+    T: Fields + for<'a> BinRead<Args<'a> = ()> + for<'a> BinWrite<Args<'a> = ()>,
 {
     /// Reads a record's body.
-    pub fn parse(body: &[u8]) -> binrw::BinResult<Self> {
+    ///
+    /// # Errors
+    /// Those of [`parse`].
+    pub fn parse(body: &[u8]) -> Result<Self, Unreadable> {
         Ok(Self {
             record: parse(body)?,
             body: body.to_vec(),
@@ -133,20 +146,65 @@ where
 
     /// Changes the record. What a later version of the format appended stays.
     pub fn change(&mut self, change: impl FnOnce(&mut T)) {
-        let mut known = Cursor::new(&self.body);
-        let appended = match T::read_le(&mut known) {
-            Ok(_) => self.body.split_off(known.position() as usize),
-            Err(_) => Vec::new(),
-        };
+        let known = fields::end(T::FIELDS, &self.body).unwrap_or(self.body.len());
+        let appended = self.body.split_off(known);
         change(&mut self.record);
         self.body = serialize(&self.record);
         self.body.extend(appended);
     }
 }
 
-/// Reads a record's body.
-pub fn parse<T: for<'a> BinRead<Args<'a> = ()>>(body: &[u8]) -> binrw::BinResult<T> {
-    T::read_le(&mut Cursor::new(body))
+/// The fields of an attachment before its content.
+#[binread]
+#[derive(Debug)]
+#[br(little)]
+pub(crate) struct AttachmentStart {
+    /// What it is.
+    pub header: AttachmentHeader,
+    /// Bytes of its content.
+    pub data_size: u64,
+}
+
+/// The first field of a Metadata record.
+#[binread]
+#[derive(Debug)]
+#[br(little)]
+pub(crate) struct MetadataStart {
+    #[br(temp)]
+    length: u32,
+    /// Its name.
+    #[br(count = length, try_map = String::from_utf8)]
+    pub name: String,
+}
+
+/// What a message index says before its entries.
+#[binread]
+#[derive(Debug)]
+#[br(little)]
+pub(crate) struct MessageIndexStart {
+    /// The channel.
+    pub channel_id: u16,
+    /// Bytes of its entries.
+    pub length: u32,
+}
+
+/// Reads a record's body, after checking each length in it against the bytes that are there.
+///
+/// # Errors
+/// A length is wrong, or a text is not UTF-8.
+pub fn parse<T: Fields + for<'a> BinRead<Args<'a> = ()>>(body: &[u8]) -> Result<T, Unreadable> {
+    split(body).map(|(record, _)| record)
+}
+
+/// As [`parse`], with the bytes after the record's fields.
+///
+/// # Errors
+/// Those of [`parse`].
+pub(crate) fn split<T: Fields + for<'a> BinRead<Args<'a> = ()>>(
+    body: &[u8],
+) -> Result<(T, &[u8]), Unreadable> {
+    let (fields, rest) = body.split_at(fields::end(T::FIELDS, body)?);
+    Ok((T::read_le(&mut Cursor::new(fields))?, rest))
 }
 
 /// Serialises a record's body, ready to be framed.

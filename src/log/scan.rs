@@ -2,16 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use mcap::records::{
-    AttachmentHeader, AttachmentIndex, ChunkIndex, MessageIndex, Metadata, MetadataIndex, op,
-};
+use binrw::BinRead;
+use mcap::records::{AttachmentIndex, ChunkIndex, MetadataIndex, op};
 
 use super::{
-    chunk::{self, ChunkDecoder},
-    contents::{Contents, Definitions, Segment, SegmentKind},
+    chunk::ChunkDecoder,
+    contents::{Contents, Definitions, Room, Segment, SegmentKind},
     error::{Damage, ReadError, RecordKind},
     file::LogFile,
-    record::{FRAME_LENGTH, MESSAGE_HEADER_LENGTH, Raw, RawMessage, parse, split_frame},
+    record::{
+        AttachmentStart, FRAME_LENGTH, Fields, MAX_RECORD, MESSAGE_HEADER_LENGTH,
+        MessageIndexStart, MetadataStart, Raw, RawMessage, Unreadable, parse, split_frame,
+    },
+    summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
 };
 
 /// How much is read at once where records follow one another closely.
@@ -20,8 +23,8 @@ const WINDOW: u64 = 64 * 1024;
 /// The most bytes of messages outside chunks that make one segment, so that no reader needs to hold more.
 const LOOSE_RUN: u64 = 1024 * 1024;
 
-/// Enough of an attachment's body for its header, whose name and media type are short.
-const ATTACHMENT_HEADER: u64 = 4096;
+/// Enough of a record's body for what it starts with, if names are short.
+const START: u64 = 4096;
 
 /// A record's place in the file.
 #[derive(Debug, Clone, Copy)]
@@ -61,6 +64,36 @@ pub trait Bodies {
     /// The first `most` bytes of a record's body, or all of it if it is shorter.
     fn body(&mut self, frame: &Frame, most: u64) -> Result<&[u8], ReadError>;
 
+    /// A record's whole body, if it is not too long to be held in memory.
+    fn whole(&mut self, frame: &Frame) -> Result<&[u8], ReadError> {
+        self.check_length(frame.offset, frame.length)?;
+        self.body(frame, frame.length)
+    }
+
+    /// What a record's body starts with, however long the rest is; `None` if it is not that.
+    fn start<T: Fields + for<'a> BinRead<Args<'a> = ()>>(
+        &mut self,
+        frame: &Frame,
+    ) -> Result<Option<T>, ReadError> {
+        let mut most = START;
+        loop {
+            match parse(self.body(frame, most)?) {
+                Ok(start) => return Ok(Some(start)),
+                Err(Unreadable::BreaksOff { needed }) if needed <= frame.length => most = needed,
+                Err(_) => return Ok(None),
+            }
+            self.check_length(frame.offset, most)?;
+        }
+    }
+
+    /// Refuses what is too long to be held in memory, and belongs to the record at `offset`.
+    fn check_length(&self, offset: u64, length: u64) -> Result<(), ReadError> {
+        match length {
+            0..=MAX_RECORD => Ok(()),
+            _ => Err(self.damaged(offset, Damage::TooLong { length })),
+        }
+    }
+
     /// The error for a place where the log violates the format.
     fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError;
 }
@@ -72,6 +105,8 @@ pub struct Walker<'a> {
     end: u64,
     window: Vec<u8>,
     window_start: u64,
+    /// How much is read at once.
+    ahead: u64,
 }
 
 impl<'a> Walker<'a> {
@@ -81,9 +116,15 @@ impl<'a> Walker<'a> {
             file,
             position: start,
             end: end.min(file.length()),
+            ahead: WINDOW,
             window: Vec::new(),
             window_start: 0,
         }
+    }
+
+    /// The same, with that much read at once.
+    pub fn reading_ahead(self, ahead: u64) -> Self {
+        Self { ahead, ..self }
     }
 
     pub fn step(&mut self) -> Result<Next, ReadError> {
@@ -115,7 +156,7 @@ impl<'a> Walker<'a> {
     fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], ReadError> {
         let window_end = self.window_start + self.window.len() as u64;
         if offset < self.window_start || offset + length > window_end {
-            let ahead = length.max(WINDOW).min(self.file.length() - offset);
+            let ahead = length.max(self.ahead).min(self.file.length() - offset);
             self.file
                 .read_into(&mut self.window, offset, ahead.max(length))?;
             self.window_start = offset;
@@ -142,6 +183,7 @@ pub struct Collector {
     /// The definitions that occurred first in a chunk.
     pub defined_in_chunks: Vec<DefinedInChunk>,
     chunks: ChunkDecoder,
+    room: Room,
     /// The chunk that message indexes may still follow.
     open_chunk: Option<OpenChunk>,
 }
@@ -192,11 +234,16 @@ impl Collector {
         }
         match frame.opcode {
             op::SCHEMA | op::CHANNEL => {
-                let body = bodies.body(frame, u64::MAX)?;
+                let body = bodies.whole(frame)?;
                 let added = self.contents.definitions.add(frame.opcode, body);
-                added.ok_or_else(|| malformed(bodies, frame, RecordKind::Definition))?;
+                let length = body.len();
+                let new = added.ok_or_else(|| malformed(bodies, frame, RecordKind::Definition))?;
+                if new.is_some() {
+                    self.keep(bodies, frame, length)?;
+                }
             }
             op::MESSAGE => {
+                bodies.check_length(frame.offset, frame.length)?;
                 // The payload is not needed here.
                 let message = RawMessage::parse(bodies.body(frame, MESSAGE_HEADER_LENGTH as u64)?)
                     .map(|message| (message.channel_id, message.log_time));
@@ -205,40 +252,63 @@ impl Collector {
                 self.loose_message(frame, channel_id, log_time);
             }
             op::CHUNK => {
-                chunk::check_length(frame.length)
-                    .map_err(|fault| bodies.damaged(frame.offset, fault))?;
-                let body = bodies.body(frame, u64::MAX)?;
-                let chunk = self.chunk(frame, body, visit);
+                let chunk = self.chunk(frame, bodies.whole(frame)?, visit);
                 self.open_chunk =
                     Some(chunk.map_err(|damage| bodies.damaged(frame.offset, damage))?);
             }
             op::MESSAGE_INDEX => {
                 if let Some(chunk) = &mut self.open_chunk {
-                    let index: MessageIndex = parse(bodies.body(frame, u64::MAX)?)
-                        .map_err(|_| malformed(bodies, frame, RecordKind::MessageIndex))?;
-                    *chunk.indexed.entry(index.channel_id).or_default() +=
-                        index.records.len() as u64;
-                    chunk.index_offsets.insert(index.channel_id, frame.offset);
+                    let start = bodies.start::<MessageIndexStart>(frame)?;
+                    let (channel_id, entries) = start
+                        .and_then(|start| count_entries(&start, frame))
+                        .ok_or_else(|| malformed(bodies, frame, RecordKind::MessageIndex))?;
+                    *chunk.indexed.entry(channel_id).or_default() += entries;
+                    chunk.index_offsets.insert(channel_id, frame.offset);
                     chunk.index_length += frame.end() - frame.offset;
                 }
             }
             op::ATTACHMENT => {
-                let index = attachment_index(bodies, frame)?
+                let start: AttachmentStart = (bodies.start(frame)?)
                     .ok_or_else(|| malformed(bodies, frame, RecordKind::Attachment))?;
-                self.contents.attachments.push(Raw::new(index));
-            }
-            op::METADATA => {
-                let metadata: Metadata = parse(bodies.body(frame, u64::MAX)?)
-                    .map_err(|_| malformed(bodies, frame, RecordKind::Metadata))?;
-                self.contents.metadata.push(Raw::new(MetadataIndex {
+                let index = Raw::new(AttachmentIndex {
                     offset: frame.offset,
                     length: frame.end() - frame.offset,
-                    name: metadata.name,
-                }));
+                    log_time: start.header.log_time,
+                    create_time: start.header.create_time,
+                    data_size: start.data_size,
+                    name: start.header.name,
+                    media_type: start.header.media_type,
+                });
+                self.keep(bodies, frame, index.body.len())?;
+                self.contents.attachments.push(index);
             }
+            op::METADATA => {
+                let start: MetadataStart = (bodies.start(frame)?)
+                    .ok_or_else(|| malformed(bodies, frame, RecordKind::Metadata))?;
+                let index = Raw::new(MetadataIndex {
+                    offset: frame.offset,
+                    length: frame.end() - frame.offset,
+                    name: start.name,
+                });
+                self.keep(bodies, frame, index.body.len())?;
+                self.contents.metadata.push(index);
+            }
+            op::DATA_END => return Err(early_end(bodies, frame, RecordKind::DataEnd)),
+            op::FOOTER => return Err(early_end(bodies, frame, RecordKind::Footer)),
             _ => {}
         }
         Ok(())
+    }
+
+    /// Refuses the record if what is kept of it is too much, together with what is kept already.
+    fn keep(
+        &mut self,
+        bodies: &impl Bodies,
+        frame: &Frame,
+        length: usize,
+    ) -> Result<(), ReadError> {
+        let taken = self.room.take(length);
+        taken.map_err(|damage| bodies.damaged(frame.offset, damage))
     }
 
     /// Everything that was collected.
@@ -280,22 +350,30 @@ impl Collector {
         let mut message_counts = BTreeMap::new();
         for record in records {
             let record = record.map_err(|_| Damage::Torn)?;
+            let position = record.offset as u64;
+            let malformed = |kind| Damage::MalformedInChunk { kind, position };
             match record.opcode {
                 op::SCHEMA | op::CHANNEL => {
                     let opcode = record.opcode;
                     let added = definitions.add(opcode, record.body);
-                    if let Some(id) = added.ok_or(Damage::Torn)? {
+                    if let Some(id) = added.ok_or_else(|| malformed(RecordKind::Definition))? {
+                        self.room.take(record.body.len())?;
                         let chunk = frame.offset;
                         (self.defined_in_chunks).push(DefinedInChunk { chunk, opcode, id });
                     }
                 }
                 op::MESSAGE => {
-                    let message = RawMessage::parse(record.body).ok_or(Damage::Torn)?;
+                    let message = RawMessage::parse(record.body);
+                    let message = message.ok_or_else(|| malformed(RecordKind::Message))?;
                     times = widen(times, message.log_time);
                     *message_counts.entry(message.channel_id).or_default() += 1;
                     visit(definitions, &message, record.body);
                 }
-                _ => {}
+                opcode => {
+                    if let Some(kind) = RecordKind::of(opcode) {
+                        return Err(Damage::MisplacedInChunk { kind, position });
+                    }
+                }
             }
         }
         let (message_start_time, message_end_time) = times.unwrap_or((0, 0));
@@ -360,28 +438,15 @@ fn malformed(bodies: &impl Bodies, frame: &Frame, kind: RecordKind) -> ReadError
     bodies.damaged(frame.offset, Damage::Malformed(kind))
 }
 
-fn attachment_index(
-    bodies: &mut impl Bodies,
-    frame: &Frame,
-) -> Result<Option<AttachmentIndex>, ReadError> {
-    for most in [ATTACHMENT_HEADER, u64::MAX] {
-        let body = bodies.body(frame, most)?;
-        let Ok(header) = parse::<AttachmentHeader>(body) else {
-            continue;
-        };
-        let before_size = 8 + 8 + 4 + header.name.len() + 4 + header.media_type.len();
-        let Some((size, _)) = body.get(before_size..).and_then(<[u8]>::split_first_chunk) else {
-            continue;
-        };
-        return Ok(Some(AttachmentIndex {
-            offset: frame.offset,
-            length: frame.end() - frame.offset,
-            log_time: header.log_time,
-            create_time: header.create_time,
-            data_size: u64::from_le_bytes(*size),
-            name: header.name,
-            media_type: header.media_type,
-        }));
-    }
-    Ok(None)
+/// The error for a record that ends the data before its end.
+fn early_end(bodies: &impl Bodies, frame: &Frame, kind: RecordKind) -> ReadError {
+    bodies.damaged(frame.offset, Damage::EarlyEnd(kind))
+}
+
+/// The channel of a message index and the number of its entries; `None` if it is shorter than that.
+fn count_entries(start: &MessageIndexStart, frame: &Frame) -> Option<(u16, u64)> {
+    let length = u64::from(start.length);
+    let is_there = MESSAGE_INDEX_PREFIX - FRAME_LENGTH as u64 + length <= frame.length;
+    (is_there && length.is_multiple_of(MESSAGE_INDEX_ENTRY))
+        .then_some((start.channel_id, length / MESSAGE_INDEX_ENTRY))
 }

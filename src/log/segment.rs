@@ -6,9 +6,9 @@ use mcap::records::{MessageIndex, MessageIndexEntry, op};
 
 use super::{
     Log,
-    chunk::ChunkReader,
+    chunk::{ChunkReader, check_length},
     contents::{Segment, SegmentKind},
-    error::{Damage, ReadError},
+    error::{Damage, ReadError, RecordKind},
     file::LogFile,
     message_index::new_message_indexes,
     partial_chunk::PartialChunkReader,
@@ -49,6 +49,9 @@ impl<'a> SegmentReader<'a> {
     ) -> Result<impl Iterator<Item = Result<RawMessage<'_>, ReadError>>, ReadError> {
         let file = self.file;
         let Segment { offset, length, .. } = *segment;
+        if let SegmentKind::Chunk { .. } = segment.kind {
+            check_length(length).map_err(|damage| file.damaged(offset, damage))?;
+        }
         let records = match self.partial.read(file, segment, wanted)? {
             Some(records) => records,
             None if matches!(segment.kind, SegmentKind::Loose) => {
@@ -96,7 +99,12 @@ fn messages<'a>(
                 .map(|message| (record.offset as u64, message))
                 .ok_or_else(malformed),
         ),
-        Ok(_) => None,
+        Ok(record) => RecordKind::of(record.opcode)
+            .filter(|kind| *kind != RecordKind::Definition)
+            .map(|kind| {
+                let position = record.offset as u64;
+                Err(file.damaged(start, Damage::MisplacedInChunk { kind, position }))
+            }),
         Err(_) => Some(Err(malformed())),
     })
 }

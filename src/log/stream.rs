@@ -16,15 +16,14 @@ use mcap::records::{Channel, op};
 
 use super::{
     Log, Stop,
-    chunk::MAX_RECORD,
     contents::Definitions,
     error::ReadError,
     record::RawMessage,
     scan::{Bodies, Collector},
-    summary::{DATA_END_LENGTH, Ending},
+    summary::Ending,
 };
 use excerpt::Excerpt;
-use pipe::Pipe;
+use pipe::{Pipe, pass_on_the_rest};
 
 /// A stream and its name in errors.
 #[derive(Debug)]
@@ -68,7 +67,8 @@ pub struct Streamed {
 }
 
 /// Passes a log on as it arrives, record by record, up to the end of its data section: a DataEnd record, a footer, or a
-/// record that breaks off. The rest is held back. The messages that `select` selects are kept, and those of channels
+/// record that breaks off. The rest is held back, unless the log goes on after the record that ends its data: then all of
+/// it is passed on, and that is an error. The messages that `select` selects are kept, and those of channels
 /// that were not defined before them.
 ///
 /// # Errors
@@ -98,21 +98,16 @@ pub fn pass_through(
             break Stop::Torn { offset };
         }
         let mut body = pipe.body(&frame)?;
-        match frame.opcode {
-            op::DATA_END => {
-                break Stop::data_end(offset, body.body(&frame, DATA_END_LENGTH as u64)?);
-            }
-            op::FOOTER => break Stop::Footer { offset },
-            _ => {}
+        if let Some(stop) = Stop::at(&mut body, &frame)? {
+            break stop;
         }
 
         let segment = collector.segments();
         collector.record_and_visit(&mut body, &frame, |definitions, message, record| {
             excerpt.consider(definitions, segment, message, record);
         })?;
-        // No telemetry has longer messages.
-        if frame.opcode == op::MESSAGE && frame.length <= MAX_RECORD {
-            let record = body.body(&frame, u64::MAX)?;
+        if frame.opcode == op::MESSAGE {
+            let record = body.whole(&frame)?;
             if let Some(message) = RawMessage::parse(record) {
                 let definitions = &collector.contents.definitions;
                 let segment = collector.segments() - 1;
@@ -126,8 +121,17 @@ pub fn pass_through(
         pipe.settle_chunk(false)?;
     }
     let data_end = pipe.position();
-    let file = pipe.hold_back_the_rest()?;
-    let ending = Ending::read(&file, data_end)?;
+    let (file, mut output) = pipe.hold_back_the_rest()?;
+    let ending = Ending::read(&file, data_end)
+        .and_then(|ending| stop.check(&file, ending.as_ref()).map(|()| ending));
+    let ending = match ending {
+        Ok(ending) => ending,
+        // Nothing can be appended, so the next program in the pipe gets the log as it is.
+        Err(damage) => {
+            pass_on_the_rest(&file, data_end, &mut output)?;
+            return Err(damage);
+        }
+    };
     let original = Log::read_to_end(file, header, ending, stop, collector)?;
     Ok(Streamed {
         telemetry: excerpt.finish(name, &original)?,

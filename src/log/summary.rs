@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use mcap::records::{AttachmentIndex, ChunkIndex, Footer, MetadataIndex, Statistics, op};
 
 use super::{
-    contents::{Contents, Definitions, Segment, SegmentKind},
-    error::ReadError,
+    contents::{Contents, Definitions, Room, Segment, SegmentKind},
+    error::{Damage, ReadError, RecordKind},
     file::LogFile,
-    record::{FRAME_LENGTH, Raw, Records, parse, split_frame},
-    scan::{Collector, DefinedInChunk, Next, Walker},
+    record::{FRAME_LENGTH, Raw, parse, split, split_frame},
+    scan::{Bodies, Collector, DefinedInChunk, Frame, Next, Walker},
 };
 
 /// Bytes of a footer record's body: where the summary and its offsets start, and a checksum.
@@ -21,6 +21,9 @@ pub const DATA_END_LENGTH: usize = 4;
 /// The bytes of a message index before its entries (frame, channel id, length), and of one entry.
 pub const MESSAGE_INDEX_PREFIX: u64 = FRAME_LENGTH as u64 + 2 + 4;
 pub const MESSAGE_INDEX_ENTRY: u64 = 8 + 8;
+
+/// How much of a summary is read at once: all of most.
+const WINDOW: u64 = 1024 * 1024;
 
 /// The end of a log that was closed properly.
 pub struct Ending {
@@ -46,6 +49,9 @@ pub struct Summary {
 impl Ending {
     /// Reads the end of the file; `None` if it is not the end of a log that was closed, with a data section that ends
     /// at `earliest` or later.
+    ///
+    /// # Errors
+    /// The file cannot be read, or what belongs before the DataEnd record is after it.
     pub fn read(file: &LogFile, earliest: u64) -> Result<Option<Self>, ReadError> {
         let tail = (FRAME_LENGTH + FOOTER_LENGTH + mcap::MAGIC.len()) as u64;
         let Some(footer_offset) = file.length().checked_sub(tail) else {
@@ -81,47 +87,162 @@ impl Ending {
         }
         let crc = u32::from_le_bytes(*crc);
 
-        let section = file.read(summary_start, footer_offset - summary_start)?;
-        let intact = footer.summary_crc == 0 || {
-            let mut hasher = crc32fast::Hasher::new();
-            hasher.update(&section);
+        let is_intact = footer.summary_crc == 0 || {
+            let mut hasher = checksum(file, summary_start, footer_offset)?;
             hasher.update(&footer_record[..FRAME_LENGTH + 8 + 8]);
             hasher.finalize() == footer.summary_crc
+        };
+        let mut section = Section {
+            records: Walker::new(file, summary_start, footer_offset).reading_ahead(WINDOW),
+            data_end,
+        };
+        let summary = match is_intact && footer.summary_start != 0 {
+            true => section.parse()?,
+            false => section.skip().map(|()| None)?,
         };
         Ok(Some(Self {
             data_end,
             data_crc: (crc != 0).then_some(crc),
-            summary: (footer.summary_start != 0 && intact)
-                .then(|| Summary::parse(&section))
-                .flatten(),
+            summary,
         }))
     }
 }
 
-impl Summary {
-    fn parse(section: &[u8]) -> Option<Self> {
-        let mut summary = Self::default();
-        for record in Records::new(section) {
-            let record = record.ok()?;
-            let body = record.body;
-            match record.opcode {
-                op::SCHEMA | op::CHANNEL => {
-                    summary.definitions.add(record.opcode, body)?;
+/// The records of a summary section, which follow the DataEnd record at `data_end`.
+struct Section<'a> {
+    records: Walker<'a>,
+    data_end: u64,
+}
+
+impl Section<'_> {
+    /// The next record; `None` at the end; an error where a record belongs before DataEnd.
+    fn step(&mut self) -> Result<Next, ReadError> {
+        let next = self.records.step()?;
+        if let Next::Record(frame) = next
+            && !belongs_after_data(frame.opcode)
+        {
+            let (offset, kind) = match frame.opcode {
+                op::FOOTER => (frame.offset, RecordKind::Footer),
+                _ => (self.data_end, RecordKind::DataEnd),
+            };
+            return Err(self.records.damaged(offset, Damage::EarlyEnd(kind)));
+        }
+        Ok(next)
+    }
+
+    /// Only checks that all records belong there.
+    fn skip(&mut self) -> Result<(), ReadError> {
+        while let Next::Record(_) = self.step()? {}
+        Ok(())
+    }
+
+    /// Reads them; `None` if that is not possible.
+    fn parse(&mut self) -> Result<Option<Summary>, ReadError> {
+        let mut summary = Summary::default();
+        let mut room = Room::default();
+        loop {
+            let frame = match self.step()? {
+                Next::Record(frame) => frame,
+                Next::End => break,
+                // What comes after it still has to belong there, but where that is is not known.
+                Next::Torn { .. } => return Ok(None),
+            };
+            if frame.opcode == op::SUMMARY_OFFSET {
+                continue;
+            }
+            let kept = summary.add(&frame, self.records.whole(&frame)?);
+            let damaged = |damage| self.records.damaged(frame.offset, damage);
+            match kept {
+                Some(length) => room.take(length).map_err(damaged)?,
+                // Nothing else may have it, so it cannot be found by reading the log.
+                None if matches!(frame.opcode, op::SCHEMA | op::CHANNEL) => {
+                    return Err(damaged(Damage::Malformed(RecordKind::Definition)));
                 }
-                op::CHUNK_INDEX => summary.chunk_indexes.push(Raw::parse(body).ok()?),
-                op::ATTACHMENT_INDEX => summary.attachments.push(Raw::parse(body).ok()?),
-                op::METADATA_INDEX => summary.metadata.push(Raw::parse(body).ok()?),
-                op::STATISTICS => summary.statistics = Some(parse(body).ok()?),
-                op::SUMMARY_OFFSET => {}
-                // A record that does not belong in a summary.
-                opcode if opcode <= op::DATA_END => return None,
-                opcode => summary.unknown.push((opcode, body.to_vec())),
+                None => {
+                    self.skip()?;
+                    return Ok(None);
+                }
             }
         }
         summary
             .chunk_indexes
             .sort_by_key(|index| index.record.chunk_start_offset);
-        Some(summary)
+        Ok(Some(summary))
+    }
+}
+
+/// Whether a record may follow the end of the data.
+fn belongs_after_data(opcode: u8) -> bool {
+    match opcode {
+        op::SCHEMA | op::CHANNEL | op::STATISTICS | op::SUMMARY_OFFSET => true,
+        op::CHUNK_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX => true,
+        opcode => opcode > op::DATA_END,
+    }
+}
+
+/// Whether a log that was not closed has records after its end, which is at `start`, that belong before it.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn goes_on(file: &LogFile, start: u64) -> Result<bool, ReadError> {
+    let mut records = Walker::new(file, start, file.length());
+    while let Next::Record(frame) = records.step()? {
+        if frame.opcode != op::FOOTER && !belongs_after_data(frame.opcode) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// The checksum of some of a file's bytes.
+fn checksum(file: &LogFile, start: u64, end: u64) -> Result<crc32fast::Hasher, ReadError> {
+    let mut hasher = crc32fast::Hasher::new();
+    let mut piece = Vec::new();
+    let mut position = start;
+    while position < end {
+        let length = WINDOW.min(end - position);
+        file.read_into(&mut piece, position, length)?;
+        hasher.update(&piece);
+        position += length;
+    }
+    Ok(hasher)
+}
+
+impl Summary {
+    /// Takes a record. Returns how much of it is kept, apart from what grows with the log's messages; `None` if it
+    /// cannot be read.
+    fn add(&mut self, frame: &Frame, body: &[u8]) -> Option<usize> {
+        Some(match frame.opcode {
+            op::SCHEMA | op::CHANNEL => {
+                self.definitions.add(frame.opcode, body)?;
+                body.len()
+            }
+            op::CHUNK_INDEX => {
+                let (index, appended): (ChunkIndex, _) = split(body).ok()?;
+                let kept = index.compression.len() + appended.len();
+                self.chunk_indexes.push(Raw {
+                    record: index,
+                    body: body.to_vec(),
+                });
+                kept
+            }
+            op::ATTACHMENT_INDEX => {
+                self.attachments.push(Raw::parse(body).ok()?);
+                body.len()
+            }
+            op::METADATA_INDEX => {
+                self.metadata.push(Raw::parse(body).ok()?);
+                body.len()
+            }
+            op::STATISTICS => {
+                self.statistics = Some(parse(body).ok()?);
+                0
+            }
+            opcode => {
+                self.unknown.push((opcode, body.to_vec()));
+                body.len()
+            }
+        })
     }
 
     /// What the log contains, if this summary and the records between the chunks that it describes account for all of

@@ -10,10 +10,9 @@ use mcap::records::{Header, op};
 use super::{Named, spool::Spool};
 use crate::log::{
     check_magic,
-    chunk::MAX_RECORD,
     error::{Damage, ReadError},
     file::LogFile,
-    record::{FRAME_LENGTH, parse, split_frame},
+    record::{FRAME_LENGTH, MAX_RECORD, parse, split_frame},
     scan::{Bodies, Frame},
 };
 
@@ -135,7 +134,7 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
                 std::mem::swap(&mut self.record, &mut self.chunk_record);
                 Ok(())
             }
-            (op::METADATA, true) => Ok(()),
+            (op::METADATA, true) if frame.length <= MAX_RECORD => Ok(()),
             (op::METADATA, false) => self.spool.write(frame.offset, &self.record),
             (_, true) => self.spool.forget(frame.offset),
             (_, false) => Ok(()),
@@ -155,15 +154,17 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
         }
     }
 
-    /// Holds back what has arrived of the current record, and everything after it. Returns everything that was kept.
-    pub fn hold_back_the_rest(mut self) -> Result<LogFile, ReadError> {
+    /// Holds back what has arrived of the current record, and everything after it. Returns everything that was kept, and
+    /// the output.
+    pub fn hold_back_the_rest(mut self) -> Result<(LogFile, Named<'a, BufWriter<W>>), ReadError> {
         flush(&mut self.output)?;
         self.spool.write(self.position, &self.record)?;
         let held_back = self.position + self.record.len() as u64;
         // A long record that breaks off has been spooled already.
         let held_back = self.spool.end()?.max(held_back);
         self.hold_back(held_back, u64::MAX)?;
-        self.spool.finish(self.input.name, self.position)
+        let file = self.spool.finish(self.input.name, self.position)?;
+        Ok((file, self.output))
     }
 
     /// Reads `length` more bytes of the current record. Returns whether they arrived.
@@ -214,9 +215,6 @@ impl Bodies for Body<'_> {
         let length = frame.length.min(most);
         match self {
             Self::InMemory { bytes, .. } => Ok(&bytes[..length as usize]),
-            Self::InFile { file, .. } if length > MAX_RECORD => {
-                Err(file.damaged(frame.offset, Damage::TooLong { length }))
-            }
             Self::InFile { file, buffer } => {
                 file.read_into(buffer, frame.body_offset(), length)?;
                 Ok(buffer)
@@ -230,6 +228,24 @@ impl Bodies for Body<'_> {
             Self::InFile { file, .. } => file.damaged(offset, damage),
         }
     }
+}
+
+/// Passes on what was held back of a log, which is everything from `start` on.
+pub fn pass_on_the_rest(
+    file: &LogFile,
+    start: u64,
+    output: &mut Named<BufWriter<impl Write>>,
+) -> Result<(), ReadError> {
+    let mut piece = Vec::new();
+    let mut position = start;
+    while position < file.length() {
+        let length = PIECE.min(file.length() - position);
+        file.read_into(&mut piece, position, length)?;
+        let written = output.stream.write_all(&piece);
+        written.map_err(|source| cannot_write(output.name, source))?;
+        position += length;
+    }
+    flush(output)
 }
 
 /// Reads `length` more bytes. Returns whether they arrived. Before it waits for the input, it flushes the output.
