@@ -102,7 +102,9 @@ fn of_writing(error: &WriteError) -> Option<&'static str> {
         WriteError::TopicTaken { .. } => {
             "rename or remove that topic first; it could not be told apart from flightcam's"
         }
-        WriteError::AlreadyEnriched { .. } => "enrich the original log instead",
+        WriteError::AlreadyEnriched { .. } | WriteError::UntrustedOriginal { .. } => {
+            "enrich the original log instead"
+        }
         WriteError::OutputExists { .. } => {
             "choose another output with -o, or replace it with --force"
         }

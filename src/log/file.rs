@@ -18,9 +18,10 @@ use crate::fs::{Access, LockedFile, OpenError, ReadAt};
 pub struct LogFile {
     path: PathBuf,
     bytes: Bytes,
-    /// What replaces the bytes from some position on.
-    tail: Option<Tail>,
-    length: u64,
+    /// How many there are.
+    own_length: u64,
+    /// What replaces the bytes from some position on; each replaces the end of what is before it.
+    tails: Vec<Tail>,
     /// Whether an interrupted change was undone first.
     recovered: bool,
 }
@@ -36,6 +37,7 @@ enum Bytes {
 #[derive(Debug)]
 struct Tail {
     start: u64,
+    length: u64,
     bytes: Box<dyn ReadAt>,
 }
 
@@ -96,34 +98,28 @@ impl LogFile {
         let length = bytes.as_read_at().length();
         Ok(Self {
             path: path.into(),
-            length: length.map_err(|source| cannot_open(path, source))?,
+            own_length: length.map_err(|source| cannot_open(path, source))?,
             bytes,
-            tail: None,
+            tails: Vec::new(),
             recovered: false,
         })
     }
 
     /// The same log with the bytes from `start` on replaced by those of `tail`, which is `length` bytes long. Nothing
     /// is written.
-    pub fn with_tail(self, start: u64, tail: Box<dyn ReadAt>, length: u64) -> Self {
-        Self {
-            length: start + length,
-            tail: Some(Tail { start, bytes: tail }),
-            ..self
-        }
+    pub fn with_tail(mut self, start: u64, bytes: Box<dyn ReadAt>, length: u64) -> Self {
+        self.tails.push(Tail {
+            start,
+            length,
+            bytes,
+        });
+        self
     }
 
-    /// The same log with its own end again.
-    ///
-    /// # Errors
-    /// Its length cannot be read.
-    pub fn without_tail(self) -> Result<Self, ReadError> {
-        let length = self.own_bytes().length();
-        Ok(Self {
-            length: length.map_err(|source| cannot_open(&self.path, source))?,
-            tail: None,
-            ..self
-        })
+    /// The same log with the end that was replaced last.
+    pub fn without_tail(mut self) -> Self {
+        self.tails.pop();
+        self
     }
 
     /// Whether another log has the same bytes from `start` on.
@@ -132,13 +128,13 @@ impl LogFile {
     /// They cannot be read.
     pub(crate) fn has_same_end(&self, other: &Self, start: u64) -> Result<bool, ReadError> {
         const PIECE: u64 = 1024 * 1024;
-        if self.length != other.length {
+        if self.length() != other.length() {
             return Ok(false);
         }
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         let mut offset = start;
-        while offset < self.length {
-            let length = PIECE.min(self.length - offset);
+        while offset < self.length() {
+            let length = PIECE.min(self.length() - offset);
             self.read_into(&mut ours, offset, length)?;
             other.read_into(&mut theirs, offset, length)?;
             if ours != theirs {
@@ -164,8 +160,7 @@ impl LogFile {
 
     /// The file, if these bytes are in it.
     pub(crate) fn file_with(&self, range: &Range<u64>) -> Option<&File> {
-        let tail = self.tail.as_ref();
-        let is_there = tail.is_none_or(|tail| range.end <= tail.start);
+        let is_there = self.tails.iter().all(|tail| range.end <= tail.start);
         self.as_file().filter(|_| is_there)
     }
 
@@ -186,7 +181,8 @@ impl LogFile {
 
     /// The number of bytes when it was opened.
     pub fn length(&self) -> u64 {
-        self.length
+        let last = self.tails.last();
+        last.map_or(self.own_length, |tail| tail.start + tail.length)
     }
 
     /// Whether an interrupted change of the file was undone when it was opened.
@@ -220,7 +216,7 @@ impl LogFile {
     ) -> Result<(), ReadError> {
         if offset
             .checked_add(length)
-            .is_none_or(|end| end > self.length)
+            .is_none_or(|end| end > self.length())
         {
             return Err(self.damaged(offset, Damage::BeyondEnd { length }));
         }
@@ -236,17 +232,19 @@ impl LogFile {
         read.map_err(|source| ReadError::io("cannot read", &self.path, source))
     }
 
-    fn read_exact(&self, buffer: &mut [u8], offset: u64) -> io::Result<()> {
-        let bytes = self.own_bytes();
-        let Some(tail) = &self.tail else {
-            return bytes.read_exact_at(buffer, offset);
-        };
-        let before = tail.start.saturating_sub(offset).min(buffer.len() as u64);
-        let (head, rest) = buffer.split_at_mut(before as usize);
-        bytes.read_exact_at(head, offset)?;
-        match rest {
+    fn read_exact(&self, mut buffer: &mut [u8], offset: u64) -> io::Result<()> {
+        for tail in self.tails.iter().rev() {
+            let before = tail.start.saturating_sub(offset).min(buffer.len() as u64);
+            let (head, rest) = buffer.split_at_mut(before as usize);
+            if !rest.is_empty() {
+                tail.bytes
+                    .read_exact_at(rest, offset + before - tail.start)?;
+            }
+            buffer = head;
+        }
+        match buffer {
             [] => Ok(()),
-            rest => tail.bytes.read_exact_at(rest, offset + before - tail.start),
+            buffer => self.own_bytes().read_exact_at(buffer, offset),
         }
     }
 

@@ -62,6 +62,17 @@ pub enum WriteError {
         reason: Lost,
     },
 
+    #[error(
+        "{}: says what its original was before an earlier run of flightcam ({earlier}), which cannot be trusted: \
+         {reason}",
+        text::path(path)
+    )]
+    UntrustedOriginal {
+        path: PathBuf,
+        earlier: Box<EarlierRun>,
+        reason: Lost,
+    },
+
     #[error("{}: exists already", text::path(path))]
     OutputExists { path: PathBuf },
 

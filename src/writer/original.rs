@@ -3,12 +3,14 @@
 //! The result starts with the original's bytes up to the end of its data section. The rest of the original is in an
 //! attachment of the result, the last record of its data section.
 
+mod added;
+
 use std::{
     fs::File,
     io::{self, Read, Seek, Write},
 };
 
-use mcap::records::{AttachmentIndex, Record, op};
+use mcap::records::{AttachmentIndex, op};
 use prost::Message;
 use sha2::{Digest, Sha256};
 
@@ -17,10 +19,14 @@ use super::{
     provenance::{self, EarlierRun},
 };
 use crate::{
-    derived::Quantity,
-    log::{Damage, Log, ReadError, fingerprint::Fingerprint, record::Records},
+    log::{
+        Damage, Log, ReadError,
+        fingerprint::Fingerprint,
+        record::{AttachmentStart, Records, split},
+    },
     messages::v1::OriginalTail,
 };
+use added::Added;
 
 /// The attachment's name.
 pub const NAME: &str = "flightcam/original_tail";
@@ -61,7 +67,12 @@ impl Original {
     /// # Errors
     /// The log cannot be read, or what it contains of its original is not a log.
     pub fn of(log: Log) -> Result<Self, ReadError> {
-        let (message, tail) = match find(&log)? {
+        let Found {
+            start,
+            length,
+            tail,
+            added,
+        } = match find(&log)? {
             Ok(found) => found,
             Err(lost) => {
                 return Ok(Self {
@@ -70,28 +81,51 @@ impl Original {
                 });
             }
         };
-        let undone = Ok(provenance::earlier_run(&log)?);
-        let start = message.data_end;
-        let log = Log::read(
-            log.file
-                .with_tail(start, Box::new(tail), message.tail_length),
-        )?;
+        let undone = provenance::earlier_run(&log)?;
+        let original = Log::read(log.file.with_tail(start, Box::new(tail), length))?;
         // Its data section is read from the file itself, so the tail must not contain a part of that.
-        if log.data_end != start {
-            return Err(log.file.damaged(start, Damage::MisplacedEnd));
+        if original.data_end != start {
+            return Err(original.file.damaged(start, Damage::MisplacedEnd));
         }
-        Ok(Self { log, undone })
+        if added.is_all(&original.contents, &log.contents) {
+            return Ok(Self {
+                log: original,
+                undone: Ok(undone),
+            });
+        }
+        let file = original.file.without_tail();
+        Ok(Self {
+            log: Log { file, ..log },
+            undone: Err(Lost::Rewritten),
+        })
     }
 
     /// Checks that the log has none of the topics that are to be added, neither from an earlier run that cannot be
-    /// undone nor from another program.
+    /// undone nor from another program, and no attachment that claims to be its end but is not.
     ///
     /// # Errors
     /// It has one; the error says from where.
     pub fn check_topics_are_free(&self) -> Result<(), WriteError> {
         let lost = self.undone.as_ref().err().copied();
-        provenance::check_topics_are_free(&self.log, lost.unwrap_or(Lost::Rewritten))
+        provenance::check_topics_are_free(&self.log, lost.unwrap_or(Lost::Rewritten))?;
+        match lost {
+            Some(reason @ Lost::Rewritten) if last_tail(&self.log).is_some() => {
+                Err(WriteError::UntrustedOriginal {
+                    path: self.log.file.path().into(),
+                    earlier: Box::new(provenance::earlier_run(&self.log)?),
+                    reason,
+                })
+            }
+            _ => Ok(()),
+        }
     }
+}
+
+/// The attachment with the original's end.
+fn last_tail(log: &Log) -> Option<&AttachmentIndex> {
+    let attachments = log.contents.attachments.iter();
+    let mut indexes = attachments.map(|index| &index.record);
+    indexes.rfind(|index| index.name == NAME)
 }
 
 /// The content of the attachment: what the log has after its data section, and what identifies the data section.
@@ -131,11 +165,19 @@ fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), ReadError> {
     Ok((zstd.finish().map_err(failed)?, sha256.finalize().to_vec()))
 }
 
-/// What a log contains of its original, with the uncompressed tail, or why there is nothing that can be trusted.
-fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, ReadError> {
-    let attachments = &log.contents.attachments;
-    let mut indexes = attachments.iter().map(|index| &index.record);
-    let Some(index) = indexes.rfind(|index| index.name == NAME) else {
+/// What a log contains of its original, and what was added to that.
+struct Found {
+    /// Where the original's data section ends.
+    start: u64,
+    /// What the original has from there on, uncompressed, and the length of that.
+    tail: File,
+    length: u64,
+    added: Added,
+}
+
+/// What a log contains of its original, or why there is nothing that can be trusted.
+fn find(log: &Log) -> Result<Result<Found, Lost>, ReadError> {
+    let Some(index) = last_tail(log) else {
         return Ok(Err(provenance::why_no_way_back(log)?));
     };
     let rewritten = Ok(Err(Lost::Rewritten));
@@ -155,53 +197,57 @@ fn find(log: &Log) -> Result<Result<(OriginalTail, File), Lost>, ReadError> {
     };
     let is_intact = prefix.length <= index.offset
         && index.offset.checked_add(index.length) == Some(log.data_end)
-        && is_all_ours(log, prefix.length)
         && Fingerprint::of(log.file.own_bytes(), prefix.length)
             .map_err(|source| ReadError::io("cannot read", log.file.path(), source))?
             == prefix;
     if !is_intact {
         return rewritten;
     }
-    let file = message.decompress().map_err(|source| {
+    let Some(added) = Added::read(&log.file, prefix.length, index.offset)? else {
+        return rewritten;
+    };
+    let tail = message.decompress().map_err(|source| {
         let action = "cannot uncompress the original's end into a temporary file";
         ReadError::io(action, log.file.path(), source)
     })?;
-    Ok(file.map(|file| (message, file)).ok_or(Lost::Rewritten))
+    let found = tail.map(|tail| Found {
+        start: prefix.length,
+        tail,
+        length: message.tail_length,
+        added,
+    });
+    Ok(found.ok_or(Lost::Rewritten))
 }
 
 fn decode(log: &Log, index: &AttachmentIndex) -> Result<Option<OriginalTail>, ReadError> {
     let record = log.file.read(index.offset, index.length)?;
     let attachment = (Records::new(&record).next())
         .and_then(Result::ok)
-        .filter(|record| record.opcode == op::ATTACHMENT)
-        .and_then(|record| mcap::parse_record(op::ATTACHMENT, record.body).ok());
-    Ok(match attachment {
-        Some(Record::Attachment { data, .. }) => OriginalTail::decode(&*data).ok(),
-        _ => None,
-    })
+        .filter(|record| record.opcode == op::ATTACHMENT);
+    let Some(content) = attachment.and_then(|record| content(record.body)) else {
+        return Ok(None);
+    };
+    // Decoding copies it, and cannot fail for want of memory.
+    let mut room: Vec<u8> = Vec::new();
+    let length = content.len() as u64;
+    room.try_reserve_exact(content.len()).map_err(|_| {
+        log.file
+            .damaged(index.offset, Damage::OutOfMemory { length })
+    })?;
+    drop(room);
+    Ok(OriginalTail::decode(content).ok())
 }
 
-/// Whether flightcam wrote everything from `start` on.
-fn is_all_ours(log: &Log, start: u64) -> bool {
-    let contents = &log.contents;
-    let is_derived = |id: &u16| {
-        let channel = contents.definitions.channels.get(id);
-        channel.is_some_and(|channel| {
-            Quantity::ALL
-                .iter()
-                .any(|quantity| quantity.topic() == channel.record.topic)
-        })
-    };
-    let segments = (contents.segments.iter()).filter(|segment| segment.offset >= start);
-    let attachments = (contents.attachments.iter()).filter(|index| index.record.offset >= start);
-    let metadata = (contents.metadata.iter()).filter(|index| index.record.offset >= start);
-    segments
-        .flat_map(|segment| segment.message_counts.keys())
-        .all(is_derived)
-        && attachments.map(|index| &index.record.name).eq([NAME])
-        && metadata
-            .map(|index| &index.record.name)
-            .eq([provenance::NAME])
+/// The content of an attachment, given the body of its record; `None` if that breaks off, goes on after it, or does not
+/// have its checksum.
+fn content(body: &[u8]) -> Option<&[u8]> {
+    let (start, rest): (AttachmentStart, _) = split(body).ok()?;
+    let (content, crc) = rest.split_last_chunk()?;
+    let crc = u32::from_le_bytes(*crc);
+    let checked = &body[..body.len() - size_of::<u32>()];
+    let is_intact =
+        start.data_size == content.len() as u64 && (crc == 0 || crc == crc32fast::hash(checked));
+    is_intact.then_some(content)
 }
 
 impl OriginalTail {

@@ -233,6 +233,19 @@ fn a_log_whose_attachment_is_damaged_is_refused() {
     }
 }
 
+/// The end of a log, in an attachment that says that the log's data ends at `start`.
+fn with_end(enriched: &[u8], start: usize, end: &[u8]) -> Vec<u8> {
+    with_tail(enriched, |tail| {
+        let data = &enriched[..start];
+        tail.data_end = start as u64;
+        tail.tail_length = end.len() as u64;
+        tail.head_sha256 = Sha256::digest(&data[..start.min(65536)]).to_vec();
+        tail.foot_sha256 = Sha256::digest(&data[start.saturating_sub(65536)..]).to_vec();
+        tail.tail_sha256 = Sha256::digest(end).to_vec();
+        tail.tail_zstd = zstd::encode_all(end, 1).expect("compressed");
+    })
+}
+
 #[test]
 fn an_attachment_with_more_than_the_end_is_refused() {
     // A record that says nothing new, so that it may be mistaken for one that flightcam added.
@@ -247,19 +260,15 @@ fn an_attachment_with_more_than_the_end_is_refused() {
     parts.data_section_crc = 0;
     let log = parts.join();
     let (enriched, _) = enrich_bytes(&log).expect("a result");
-    let start = original_tail(&enriched).data_end as usize - length;
-    let crafted = with_tail(&enriched, |tail| {
-        let mut end = log[start..].to_vec();
-        end[length - 2] ^= 1;
-        tail.data_end = start as u64;
-        tail.tail_length = end.len() as u64;
-        tail.head_sha256 = Sha256::digest(&log[..start.min(65536)]).to_vec();
-        tail.foot_sha256 = Sha256::digest(&log[start.saturating_sub(65536)..start]).to_vec();
-        tail.tail_sha256 = Sha256::digest(&end).to_vec();
-        tail.tail_zstd = zstd::encode_all(&end[..], 1).expect("compressed");
-    });
+    let data_end = original_tail(&enriched).data_end as usize;
+    let start = data_end - length;
+    is_lost(with_end(&enriched, start, &log[start..]));
+
+    // The same record at the start of the end, which does not have it there.
+    let crafted = with_end(&enriched, data_end, &log[start..]);
     let folder = Folder::with(LOG, crafted);
-    let message = format!("{LOG}: damaged at byte {start}: what is said to be the original's end");
+    let message =
+        format!("{LOG}: damaged at byte {data_end}: what is said to be the original's end");
     for command in [
         "restore",
         "restore -o x.mcap",
