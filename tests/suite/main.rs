@@ -56,6 +56,10 @@ mod inspect {
 }
 
 mod log {
+    // Data after what is said to be its end.
+    mod early_end;
+    // Lengths that lie.
+    mod lengths;
     // Log times from indexes.
     mod message_times;
     // Logs from a pipe.
@@ -99,4 +103,6 @@ mod writer {
     mod interleave;
     // Recovery after an interrupted change.
     mod journal;
+    // Logs that claim what was not written by flightcam as its own.
+    mod original;
 }

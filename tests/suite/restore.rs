@@ -13,7 +13,6 @@ use mcap::{
     records::{MessageHeader, op},
 };
 use proptest::prelude::*;
-use sha2::{Digest, Sha256};
 
 use crate::support::{folder::*, rewriting::*, shapes::*, *};
 
@@ -231,19 +230,6 @@ fn a_log_whose_attachment_is_damaged_is_refused() {
     for data_end in [0, 1, enriched.len() as u64, u64::MAX] {
         is_lost(with_tail(&enriched, |tail| tail.data_end = data_end));
     }
-}
-
-/// The end of a log, in an attachment that says that the log's data ends at `start`.
-fn with_end(enriched: &[u8], start: usize, end: &[u8]) -> Vec<u8> {
-    with_tail(enriched, |tail| {
-        let data = &enriched[..start];
-        tail.data_end = start as u64;
-        tail.tail_length = end.len() as u64;
-        tail.head_sha256 = Sha256::digest(&data[..start.min(65536)]).to_vec();
-        tail.foot_sha256 = Sha256::digest(&data[start.saturating_sub(65536)..]).to_vec();
-        tail.tail_sha256 = Sha256::digest(end).to_vec();
-        tail.tail_zstd = zstd::encode_all(end, 1).expect("compressed");
-    })
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Whatever a stranger names topics, types, fields, profiles and files: on a terminal it does nothing but show
 //! itself, in its line. For programs it stays as it is.
 
-use std::{collections::BTreeMap, fs, io::Cursor, process::Command};
+use std::{collections::BTreeMap, io::Cursor, process::Command};
 
 use assert_cmd::cargo::cargo_bin;
 use mcap::records::Metadata;
@@ -43,7 +43,7 @@ fn the_hostile_log_is_shown_in_its_lines() {
     let Some(log) = hostile_log("escapes.mcap") else {
         return;
     };
-    let folder = Folder::with(LOG, fs::read(log).unwrap());
+    let folder = Folder::with(LOG, log);
     let shown = shows(&folder, &["inspect", LOG], 0);
     let attitude = shown.lines().filter(|line| line.starts_with("Attitude  "));
     assert_eq!(attitude.count(), 2, "the role and its numbers:\n{shown}");

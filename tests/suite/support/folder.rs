@@ -132,6 +132,21 @@ impl Folder {
         (code, text(output.stdout), text(output.stderr))
     }
 
+    /// Runs the program with that many KiB of address space and an input. Returns the exit code, standard output and
+    /// standard error.
+    #[cfg(unix)]
+    #[track_caller]
+    pub fn run_within(&self, memory: u64, arguments: &str, input: &str) -> (i32, Vec<u8>, String) {
+        let mut command = Command::new("sh");
+        let script = format!("ulimit -v {memory} && exec \"$0\" {arguments} < {input}");
+        command.arg("-c").arg(script).arg(cargo_bin!("flightcam"));
+        let output = self.output(command);
+        let err = text(output.stderr);
+        let code = output.status.code();
+        let code = code.unwrap_or_else(|| panic!("{arguments}: {}: {err}", output.status));
+        (code, output.stdout, err)
+    }
+
     fn output(&self, mut command: Command) -> Output {
         command.current_dir(&self.0).env_remove("CLICOLOR_FORCE");
         command.output().unwrap()

@@ -2,6 +2,7 @@
 
 pub mod flights;
 pub mod folder;
+pub mod forging;
 pub mod help;
 pub mod inspection;
 pub mod interrupted;
@@ -58,14 +59,20 @@ pub fn real_logs() -> Option<PathBuf> {
     None
 }
 
-/// A log made to do harm; `None`, with a message, where they are not.
-pub fn hostile_log(name: &str) -> Option<PathBuf> {
-    let log = repository("../shared/hostile").join(name);
-    if log.is_file() {
-        return Some(log);
+/// A log that was made to go wrong; `None`, with a message, where there are none.
+pub fn hostile_log(name: &str) -> Option<Vec<u8>> {
+    let folder = match env::var_os("FLIGHTCAM_HOSTILE_LOGS") {
+        Some(folder) => PathBuf::from(folder),
+        None => repository("../shared/hostile"),
+    };
+    let log = fs::read(folder.join(name)).ok();
+    if log.is_none() {
+        eprintln!(
+            "skipped: no {name} in {}; name its folder in FLIGHTCAM_HOSTILE_LOGS",
+            folder.display()
+        );
     }
-    eprintln!("skipped: there is no {}", log.display());
-    None
+    log
 }
 
 /// 30° below the horizon, all else by default.

@@ -11,6 +11,7 @@ use mcap::{
     records::{AttachmentHeader, AttachmentIndex, Metadata, MetadataIndex, Statistics, op},
 };
 use prost::Message as _;
+use sha2::{Digest, Sha256};
 
 use super::{Parts, original_tail};
 
@@ -74,6 +75,19 @@ pub fn with_tail(enriched: &[u8], change: impl FnOnce(&mut OriginalTail)) -> Vec
     let mut tail = original_tail(enriched);
     change(&mut tail);
     with_last_attachment(enriched, |_| {}, &tail)
+}
+
+/// The end of a log, in an attachment that says that the log's data ends at `start`.
+pub fn with_end(enriched: &[u8], start: usize, end: &[u8]) -> Vec<u8> {
+    with_tail(enriched, |tail| {
+        let data = &enriched[..start];
+        tail.data_end = start as u64;
+        tail.tail_length = end.len() as u64;
+        tail.head_sha256 = Sha256::digest(&data[..start.min(65536)]).to_vec();
+        tail.foot_sha256 = Sha256::digest(&data[start.saturating_sub(65536)..]).to_vec();
+        tail.tail_sha256 = Sha256::digest(end).to_vec();
+        tail.tail_zstd = zstd::encode_all(end, 1).expect("compressed");
+    })
 }
 
 /// An enriched log into which something else was put, before the record that ends what flightcam added.
