@@ -80,6 +80,17 @@ impl Quantity {
     }
 }
 
+impl Value {
+    /// Whether all of its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let numbers = match self {
+            Self::RelativeRpy { rpy, .. } => [rpy.roll, rpy.pitch, rpy.yaw],
+            Self::CameraVelocity(velocity) => (*velocity).into(),
+        };
+        numbers.into_iter().all(f64::is_finite)
+    }
+}
+
 impl Derived {
     /// Which quantity it is.
     pub fn quantity(&self) -> Quantity {

@@ -189,6 +189,8 @@ pub enum DropReason {
     BadTime,
     /// A number is infinite or not a number.
     NonFinite,
+    /// A number, or what follows from it, is too large to compute with: a speed or a place beyond the largest double.
+    TooLarge,
     /// A quaternion that is not four numbers, or has a length outside 0.5 to 2.
     NotARotation,
     /// The log itself marks it invalid.
@@ -221,6 +223,7 @@ impl DropReason {
             DropReason::UnknownFrame => "unknown_frame",
             DropReason::BadTime => "bad_time",
             DropReason::NonFinite => "non_finite",
+            DropReason::TooLarge => "too_large",
             DropReason::NotARotation => "not_a_rotation",
             DropReason::MarkedInvalid => "marked_invalid",
             DropReason::DuplicateTime => "duplicate_time",
@@ -251,6 +254,7 @@ impl fmt::Display for DropReason {
             DropReason::UnknownFrame => "in a frame that cannot be related to NED",
             DropReason::BadTime => "with an impossible time",
             DropReason::NonFinite => "with a number that is not finite",
+            DropReason::TooLarge => "with a number that is too large to compute with",
             DropReason::NotARotation => "with a quaternion that is not a rotation",
             DropReason::MarkedInvalid => "marked invalid by the log",
             DropReason::DuplicateTime => "at the time of an earlier sample",

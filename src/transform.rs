@@ -15,7 +15,7 @@ mod track;
 
 use std::collections::{BTreeMap, VecDeque};
 
-use nalgebra::Rotation3;
+use nalgebra::{Rotation3, Vector3};
 use serde::Serialize;
 
 use crate::{
@@ -128,6 +128,23 @@ struct Pose {
     time: u64,
     attitude: Attitude,
     r_ned_camera: Rotation3<f64>,
+}
+
+impl Pose {
+    /// A velocity in the camera's axes.
+    fn see(&self, velocity: Velocity) -> Vector3<f64> {
+        /// Of larger ones, a sum may overflow on the way to a result that does not.
+        const LARGE: f64 = 1e300;
+        let (Velocity::Ned(vector) | Velocity::Frd(vector)) = velocity;
+        // A power of two, so that no digit is lost.
+        let scale = if vector.amax() > LARGE { 65536.0 } else { 1.0 };
+        let vector = vector / scale;
+        let velocity_ned = match velocity {
+            Velocity::Ned(_) => vector,
+            Velocity::Frd(_) => self.attitude.q_ned_drone * vector,
+        };
+        velocity_in_camera(&self.r_ned_camera, &velocity_ned) * scale
+    }
 }
 
 /// Turns samples of the drone into derived values for its camera.
@@ -256,18 +273,14 @@ impl Transform {
     }
 
     fn derive(&mut self, sample: &Held, pose: Pose, out: &mut Vec<Derived>) {
-        self.outcome.tallies[sample.kind()].used += 1;
         let value = match sample {
             Held::Attitude(_) => self.turn_to(pose),
-            Held::Velocity(sample) => {
-                let velocity_ned = match sample.velocity {
-                    Velocity::Ned(velocity) => velocity,
-                    Velocity::Frd(velocity) => pose.attitude.q_ned_drone * velocity,
-                };
-                let velocity = velocity_in_camera(&pose.r_ned_camera, &velocity_ned);
-                Some(Value::CameraVelocity(velocity))
-            }
+            Held::Velocity(sample) => Some(Value::CameraVelocity(pose.see(sample.velocity))),
         };
+        if value.is_some_and(|value| !value.is_finite()) {
+            return self.count_dropped(sample.kind(), DropReason::TooLarge, 1);
+        }
+        self.outcome.tallies[sample.kind()].used += 1;
         let stamp = sample.stamp();
         out.extend(value.map(|value| Derived { stamp, value }));
     }

@@ -145,9 +145,14 @@ impl Reading {
             RoleFields::Velocity(velocity) => {
                 let vector = velocity.vector.finite(values)?;
                 let per = velocity.unit.per_metre_per_second();
+                let [x, y, z] = vector.map(|component| component / per);
+                // In some axes it would be infinite.
+                if !x.hypot(y).hypot(z).is_finite() {
+                    return Err(DropReason::TooLarge);
+                }
                 Sample::Velocity(VelocitySample {
                     stamp,
-                    velocity: (velocity.frame).velocity(vector.map(|component| component / per)),
+                    velocity: velocity.frame.velocity([x, y, z]),
                 })
             }
             RoleFields::Gimbal(gimbal) => Sample::Gimbal(GimbalSample {
@@ -251,9 +256,13 @@ impl Coordinates<Slot> {
             } => {
                 let fields = Components::Each([latitude, longitude, altitude]);
                 let [latitude, longitude, altitude] = fields.finite(values)?;
+                let [latitude, longitude] = [latitude, longitude].map(|a| unit.to_degrees(a));
+                if !(latitude.is_finite() && longitude.is_finite()) {
+                    return Err(DropReason::TooLarge);
+                }
                 Position::Geodetic {
-                    latitude: unit.to_degrees(latitude),
-                    longitude: unit.to_degrees(longitude),
+                    latitude,
+                    longitude,
                     altitude: altitude / altitude_unit.per_metre(),
                 }
             }

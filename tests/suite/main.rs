@@ -48,6 +48,8 @@ mod enrich {
     mod input;
     // Runs that are killed.
     mod kill;
+    // Numbers of any size.
+    mod numbers;
 }
 
 mod inspect {

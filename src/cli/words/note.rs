@@ -76,6 +76,9 @@ fn on_the_samples(note: &Note) -> Option<String> {
                                   player shows the new topics apart from the others; --time says what the time of a \
                                   sample is"
             .to_owned(),
+        Note::SuspiciousAngle { topic, angle } if *angle >= 1e9 => format!(
+            "{topic} has an angle of {angle:e}, read as radians like all of its angles, which no drone turns by"
+        ),
         Note::SuspiciousAngle { topic, angle } => format!(
             "{topic} has an angle of {angle:.1}, read as radians like all of its angles; if they are degrees, use \
              --profile flat-deg"

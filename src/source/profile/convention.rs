@@ -22,12 +22,21 @@ pub enum AngleUnit {
 }
 
 impl AngleUnit {
-    /// An angle of this unit in radians.
+    /// An angle of this unit in radians; one of very many turns without these, because the rounding of so large a number
+    /// would turn it elsewhere.
     pub fn to_radians(self, angle: f64) -> f64 {
-        match self {
-            Self::Radians => angle,
-            _ => self.to_degrees(angle).to_radians(),
-        }
+        const VERY_MANY: f64 = 1000.0;
+        let turn = match self {
+            Self::Radians => return angle,
+            Self::Degrees => 360.0,
+            Self::Centidegrees => 360e2,
+            Self::DegE7 => 360e7,
+        };
+        let angle = match angle.abs() > VERY_MANY * turn {
+            true => angle % turn,
+            false => angle,
+        };
+        self.to_degrees(angle).to_radians()
     }
 
     /// An angle of this unit in degrees.
