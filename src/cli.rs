@@ -18,7 +18,7 @@ mod words;
 use std::{path::Path, process::ExitCode};
 
 use clap::{CommandFactory, Parser, Subcommand, error::ErrorKind};
-use flightcam::{Error, text, writer::journal::Interrupted};
+use flightcam::{Error, Note, text, writer::journal::Interrupted};
 use print::{complain, exit_with};
 
 const EXIT_CODES: &str = "\
@@ -104,6 +104,16 @@ fn announce(interrupted: &Interrupted) {
             text::path(journal),
         ),
     );
+}
+
+/// Writes notes on a log to standard error, if nothing else tells people of them.
+fn warn(log: &Path, notes: &[Note]) {
+    for note in notes {
+        complain(
+            "warning",
+            &format!("{}: {}", text::path(log), words::note(note)),
+        );
+    }
 }
 
 /// Describes an error and, below it, what to do about it.

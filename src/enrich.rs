@@ -24,9 +24,8 @@ use crate::{
     error::Error,
     log::{Access, Log, file::LogFile, stream::Named},
     options::Options,
-    report::{Findings, MissingTopic, Report},
+    report::{DeriveReport, Findings, MissingTopic, Report},
     run::{Input, Left, Output, Run, RunError, Stopped},
-    transform::Outcome,
     writer::original::Original,
 };
 use job::{Derivation, Job};
@@ -126,8 +125,8 @@ fn write(
         match derivation {
             Ok(derivation) => {
                 let findings = findings(derivation);
-                let written = sink.finish(findings.facts())?;
-                Ok(findings.report(output, written))
+                let (written, grown_by) = sink.finish(findings.facts())?;
+                Ok(findings.report(output, written, grown_by))
             }
             // What was written is dropped with the sink.
             Err(stopped) => Err(stopped),
@@ -144,7 +143,7 @@ pub fn derive<'a>(
     input: impl Into<Input<'a>>,
     options: &Options,
     mut take: impl FnMut(&[Derived]) -> ControlFlow<()>,
-) -> Result<Option<Outcome>, Error> {
+) -> Result<Option<DeriveReport>, Error> {
     let input = input.into();
     let run = Run::new(&options.watch, input.name().into(), Left::Nothing);
     run.run_watched(|| {
@@ -163,7 +162,9 @@ pub fn derive<'a>(
                     return Ok(None);
                 }
             }
-            Ok(Some(job.finish()?.outcome()))
+            let outcome = job.finish()?.outcome();
+            let grown_by = log.file.grown_by()?;
+            Ok(Some(DeriveReport::new(&log, outcome, grown_by)))
         })
     })
 }

@@ -83,7 +83,12 @@ impl Error {
     pub(crate) fn is_of_reading(&self) -> bool {
         matches!(
             self,
-            Self::Read(ReadError::Io { .. } | ReadError::Damaged { .. })
+            Self::Read(
+                ReadError::Io { .. }
+                    | ReadError::Damaged { .. }
+                    | ReadError::BecameShorter { .. }
+                    | ReadError::Changed { .. }
+            )
         )
     }
 }

@@ -235,8 +235,8 @@ pub struct TopicGroup {
 /// Looks at a log as [`enrich`](crate::enrich()) would with these options.
 ///
 /// # Errors
-/// The log cannot be read, or the options contradict each other. Telemetry that is not found is not an error but a
-/// finding.
+/// The log cannot be read or is changed meanwhile, or the options contradict each other. Telemetry that is not found is
+/// not an error but a finding.
 pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Inspection, Error> {
     let original = Original::of(Log::read(input.into().open(Access::Read, &options.watch)?)?)?;
     let mut problem = original.check_topics_are_free().err().map(Error::from);
@@ -260,6 +260,7 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
     if let Some(error) = problem.take_if(|error| error.is_of_reading()) {
         return Err(error);
     }
+    notes.extend(Note::on_growth(log.file.grown_by()?));
     let statistics = &log.contents.statistics;
     let names: BTreeSet<&str> = log
         .contents

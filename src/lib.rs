@@ -132,8 +132,8 @@ pub use inspect::{
 pub use messages::{Encoding, EncodingChoice};
 pub use options::Options;
 pub use report::{
-    CameraReport, Chosen, EncodingReport, MissingReason, MissingTopic, Note, ProfileReport, Report,
-    SampleReport, WrittenTopic,
+    CameraReport, Chosen, DeriveReport, EncodingReport, MissingReason, MissingTopic, Note,
+    ProfileReport, Report, SampleReport, WrittenTopic,
 };
 pub use restore::{Restored, restore};
 pub use run::{Input, Output};
@@ -144,6 +144,6 @@ pub use source::{
     request::{BadArgument, Request, RoleArgument},
 };
 pub use text::Foreign;
-pub use transform::{Breaks, MaxGap, MaxGapOutOfRange, Outcome};
+pub use transform::{Breaks, MaxGap, MaxGapOutOfRange};
 pub use watch::{Progress, Watch};
 pub use writer::{Layout, provenance::EarlierRun};

@@ -16,11 +16,12 @@ use serde::{Serialize, Serializer};
 
 use crate::{
     camera::Camera,
+    log::Log,
     messages::{Encoding, EncodingChoice},
     sample::{Kind, Tallies, Tally},
     source::{Origin, Source, profile::ProfileChoice},
     text::Foreign,
-    transform::Breaks,
+    transform::{Breaks, Outcome},
     writer::Layout,
 };
 pub(crate) use findings::Findings;
@@ -64,6 +65,42 @@ pub struct Report {
     pub complete: bool,
     /// Other things the user should know.
     pub notes: Vec<Note>,
+}
+
+/// What became of a log's samples, where no log was written.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct DeriveReport {
+    /// The samples that were used, and those that were not.
+    pub tallies: Tallies,
+    /// How often the chain of attitude samples broke.
+    pub breaks: Breaks,
+    /// Whether everything in the input could be read.
+    pub complete: bool,
+    /// What the user should know of the log besides.
+    pub notes: Vec<Note>,
+}
+
+impl DeriveReport {
+    /// Of a log to which other programs added that many bytes meanwhile.
+    pub(crate) fn new(log: &Log, outcome: Outcome, grown_by: u64) -> Self {
+        let Outcome { tallies, breaks } = outcome;
+        let unreadable: u64 = Kind::ALL
+            .map(|kind| tallies[kind].unreadable())
+            .iter()
+            .sum();
+        let notes = [
+            Note::on_recovery(log),
+            Note::on_lost_end(log),
+            Note::on_growth(grown_by),
+        ];
+        Self {
+            tallies,
+            breaks,
+            complete: log.is_readable_to_its_end() && unreadable == 0 && grown_by == 0,
+            notes: notes.into_iter().flatten().collect(),
+        }
+    }
 }
 
 /// The profile that was used.

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::{
     error::Error,
     log::{Access, Log},
-    report::lossy,
+    report::{Note, lossy},
     run::{Input, Output, Run, RunError, Stopped},
     watch::Watch,
     writer::{
@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// What was restored. Scripts read it as JSON, so its names are part of the interface.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Restored {
     /// The enriched log.
@@ -35,13 +35,15 @@ pub struct Restored {
     pub undone: Option<EarlierRun>,
     /// Whether an interrupted run was undone first.
     pub recovered: bool,
+    /// What the user should know besides.
+    pub notes: Vec<Note>,
 }
 
 /// Writes the original of an enriched log: to a new file or a stream, or in place.
 ///
 /// # Errors
-/// The log is not enriched, the original cannot be recovered from it, or the output cannot be written. Then there is no
-/// new file, and a log in place is as it was.
+/// The log is not enriched, the original cannot be recovered from it, another program changes it meanwhile, or the output
+/// cannot be written. Then there is no new file, and a log in place is as it was.
 pub fn restore<'a>(
     log: impl Into<Input<'a>>,
     output: impl Into<Output<'a>>,
@@ -87,9 +89,9 @@ fn to_new_file(log: Input, output: &Path, overwrite: bool, run: &Run) -> Result<
     let original = open(log, Access::Read, run.watch())?;
     let restored = describe(&original, output)?;
     let pending = destination.create(original.log.file.permissions()?)?;
-    write(&original.log, output, &mut pending.file(), run)?;
+    let notes = write(&original.log, output, &mut pending.file(), run)?;
     pending.commit()?;
-    Ok(restored)
+    Ok(Restored { notes, ..restored })
 }
 
 fn to_stream(
@@ -100,16 +102,21 @@ fn to_stream(
 ) -> Result<Restored, Stopped> {
     let original = open(log, Access::Read, run.watch())?;
     let restored = describe(&original, name)?;
-    write(&original.log, name, output, run)?;
-    Ok(restored)
+    let notes = write(&original.log, name, output, run)?;
+    Ok(Restored { notes, ..restored })
 }
 
 fn open(log: Input, access: Access, watch: &Watch) -> Result<Original, Stopped> {
     Ok(Original::of(Log::read(log.open(access, watch)?)?)?)
 }
 
-/// Writes the whole original.
-fn write(original: &Log, name: &Path, output: &mut impl Write, run: &Run) -> Result<(), Stopped> {
+/// Writes the whole original. Returns what there is to know of the enriched log.
+fn write(
+    original: &Log,
+    name: &Path,
+    output: &mut impl Write,
+    run: &Run,
+) -> Result<Vec<Note>, Stopped> {
     let (file, data_end, length) = (&original.file, original.data_end, original.file.length());
     let failed = |source| WriteError::output(name, source);
     run.expect(length);
@@ -117,7 +124,8 @@ fn write(original: &Log, name: &Path, output: &mut impl Write, run: &Run) -> Res
     for part in [0..data_end, data_end..length] {
         copy_range(file, part, output, failed, |done| run.copied(done))?;
     }
-    Ok(output.flush().map_err(failed)?)
+    output.flush().map_err(failed)?;
+    Ok(Note::on_growth(file.grown_by()?).into_iter().collect())
 }
 
 fn describe(original: &Original, output: &Path) -> Result<Restored, RunError> {
@@ -138,5 +146,6 @@ fn describe(original: &Original, output: &Path) -> Result<Restored, RunError> {
         bytes: file.length(),
         undone,
         recovered: file.was_recovered(),
+        notes: Vec::new(),
     })
 }

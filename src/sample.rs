@@ -293,6 +293,13 @@ impl Tally {
         }
     }
 
+    /// Readings whose messages could not be read.
+    pub fn unreadable(&self) -> u64 {
+        let dropped = self.dropped.iter();
+        let unreadable = dropped.filter(|(reason, _)| reason.is_unreadable());
+        unreadable.map(|(_, count)| count).sum()
+    }
+
     /// All readings, used or not.
     pub fn total(&self) -> u64 {
         self.used + self.dropped.values().sum::<u64>()

@@ -9,7 +9,6 @@ use clap::{Args, ValueEnum, builder::PossibleValue, error::ErrorKind};
 use flightcam::{
     Error, Options, Output, Report, enrich,
     messages::{Encoding, EncodingChoice},
-    text,
     transform::MaxGap,
     writer::Layout,
 };
@@ -19,11 +18,11 @@ use super::{
     camera::CameraArguments,
     input_output::{input, is_pipe, output},
     number,
-    print::{complain, print_aside, print_result, to_json},
+    print::{print_aside, print_result, to_json},
     progress::Bar,
     report::describe,
     telemetry::{EXAMPLES, TelemetryArguments},
-    words, wrong_arguments,
+    warn, wrong_arguments,
 };
 
 const USUAL: &str = "\
@@ -192,12 +191,7 @@ impl Arguments {
             None => {}
         }
         if !report.complete && (self.quiet || self.json) {
-            for note in &report.notes {
-                complain(
-                    "warning",
-                    &format!("{}: {}", text::path(&self.input), words::note(note)),
-                );
-            }
+            warn(&self.input, &report.notes);
         }
     }
 }

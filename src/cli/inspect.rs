@@ -4,7 +4,7 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
 use flightcam::{
-    Error, Foreign, Options,
+    Error, Foreign, Note, Options,
     inspect::{FoundRole, Inspection, Planned, RoleReport, Telemetry, TopicGroup, inspect},
     sample::Kind,
     source::RunnerUp,
@@ -58,9 +58,11 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
         true => print_result(&to_json(&inspection)),
         false => print_result(describe(&inspection).text()),
     }
+    let grew = |note: &Note| matches!(note, Note::Grew { .. });
     Ok(match inspection.problem {
-        None => Exit::Done,
         Some(_) => Exit::Failed,
+        None if inspection.notes.iter().any(grew) => Exit::PartlyUnreadable,
+        None => Exit::Done,
     })
 }
 

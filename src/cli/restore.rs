@@ -15,6 +15,7 @@ use super::{
     input_output::{input, is_pipe, output},
     print::{Page, print_aside, print_result, to_json},
     progress::Bar,
+    warn, words,
 };
 
 /// Turn an enriched log back into the original, byte for byte
@@ -58,15 +59,23 @@ pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
     bar.clear();
     let restored = restored?;
     let text = match (arguments.json, arguments.quiet) {
-        (true, _) => to_json(&restored),
-        (false, false) => describe(&restored).text().to_owned(),
-        (false, true) => return Ok(Exit::Done),
+        (true, _) => Some(to_json(&restored)),
+        (false, false) => Some(describe(&restored).text().to_owned()),
+        (false, true) => None,
     };
-    match to_stdout {
-        true => print_aside(&text),
-        false => print_result(&text),
+    match text {
+        Some(text) if to_stdout => print_aside(&text),
+        Some(text) => print_result(&text),
+        None => {}
     }
-    Ok(Exit::Done)
+    // The only note there is: what another program was still writing was not read.
+    if restored.notes.is_empty() {
+        return Ok(Exit::Done);
+    }
+    if arguments.json || arguments.quiet {
+        warn(&arguments.log, &restored.notes);
+    }
+    Ok(Exit::PartlyUnreadable)
 }
 
 fn describe(restored: &Restored) -> Page {
@@ -80,6 +89,9 @@ fn describe(restored: &Restored) -> Page {
     }
     if let Some(earlier) = &restored.undone {
         page.line("Undone", format!("what flightcam added ({earlier})"));
+    }
+    for note in &restored.notes {
+        page.line("Note", words::note(note));
     }
     let bytes = HumanCount(restored.bytes);
     let output = text::path(&restored.output);

@@ -5,12 +5,15 @@ use std::collections::BTreeMap;
 use super::{Sink, background::Background};
 use crate::{
     derived::Derived,
+    log::file::LogFile,
     run::{Run, Stopped},
     writer::{LogWriter, Written, destination::Pending, journal::NewEnd},
 };
 
 /// Writes derived values into a log.
 pub struct LogSink<'scope> {
+    /// The log that is read.
+    pub log: &'scope LogFile,
     pub writer: Box<dyn LogWriter + 'scope>,
     pub completion: Completion<'scope>,
     pub run: &'scope Run<'scope>,
@@ -42,9 +45,11 @@ impl Sink for LogSink<'_> {
 }
 
 impl LogSink<'_> {
-    /// Completes the log, with `facts` on how its new messages were made.
-    pub fn finish(self, facts: BTreeMap<String, String>) -> Result<Written, Stopped> {
+    /// Completes the log, with `facts` on how its new messages were made. Returns also how many bytes other programs
+    /// have added meanwhile to the log that was read; if they have changed it otherwise, no new file gets its name.
+    pub fn finish(self, facts: BTreeMap<String, String>) -> Result<(Written, u64), Stopped> {
         let Self {
+            log,
             writer,
             completion,
             run,
@@ -60,16 +65,18 @@ impl LogSink<'_> {
                 }
                 let written = writer.finish(facts)?;
                 flush.join(run)?;
+                let grown_by = log.grown_by()?;
                 pending.commit()?;
-                Ok(written)
+                Ok((written, grown_by))
             }
             Completion::InPlace(new_end) => {
                 let written = writer.finish(facts)?;
                 run.go_on()?;
+                // What other programs added is checked before the log is changed.
                 new_end.commit(&|step| run.reached(step))?;
-                Ok(written)
+                Ok((written, 0))
             }
-            Completion::Stream => Ok(writer.finish(facts)?),
+            Completion::Stream => Ok((writer.finish(facts)?, log.grown_by()?)),
         }
     }
 }

@@ -132,6 +132,7 @@ impl<'a> Target<'a> {
             Medium::AfterData { name, stream } => append(log, stream, name, format)?,
         };
         Ok(LogSink {
+            log: &log.file,
             writer,
             completion: Completion::Stream,
             run,
@@ -177,6 +178,7 @@ fn new_file<'scope>(
         flush,
     };
     Ok(LogSink {
+        log: &log.file,
         writer,
         completion,
         run,
@@ -192,6 +194,7 @@ fn in_place<'scope>(
     let new_end = NewEnd::begin(&log.file, log.data_end)?;
     let writer = append(log, new_end.out()?, log.file.path().into(), format)?;
     Ok(LogSink {
+        log: &log.file,
         writer,
         completion: Completion::InPlace(new_end),
         run,

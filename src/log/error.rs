@@ -36,6 +36,22 @@ pub enum ReadError {
         format: Option<ForeignFormat>,
     },
 
+    #[error(
+        "{}: another program made it shorter while it was read: from {before} bytes to {after}",
+        text::path(path)
+    )]
+    BecameShorter {
+        path: PathBuf,
+        before: u64,
+        after: u64,
+    },
+
+    #[error(
+        "{}: another program changed it while it was read, so what was read may not belong together",
+        text::path(path)
+    )]
+    Changed { path: PathBuf },
+
     #[error("{}: damaged at byte {offset}: {damage}", text::path(path))]
     Damaged {
         path: PathBuf,

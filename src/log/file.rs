@@ -5,6 +5,7 @@ use std::{
     io,
     ops::Range,
     path::{Path, PathBuf},
+    time::SystemTime,
 };
 
 use super::error::{Damage, ReadError};
@@ -22,8 +23,34 @@ pub struct LogFile {
     own_length: u64,
     /// What replaces the bytes from some position on; each replaces the end of what is before it.
     tails: Vec<Tail>,
+    /// The state of the file when it was opened, if other programs may write to it.
+    opened: Option<State>,
     /// Whether an interrupted change was undone first.
     recovered: bool,
+}
+
+/// What shows that a file was written to.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    length: u64,
+    /// Not all file systems have it.
+    modified: Option<SystemTime>,
+}
+
+impl State {
+    fn of(file: &File) -> io::Result<Self> {
+        let metadata = file.metadata()?;
+        Ok(Self {
+            length: metadata.len(),
+            modified: metadata.modified().ok(),
+        })
+    }
+
+    /// Whether this is the state of a file that was not written to since `before`.
+    fn is_still(&self, before: &Self) -> bool {
+        let modified = self.modified.zip(before.modified);
+        self.length == before.length && modified.is_none_or(|(now, then)| now == then)
+    }
 }
 
 #[derive(Debug)]
@@ -70,7 +97,12 @@ impl LogFile {
 
     /// A file that is locked already.
     pub(crate) fn of_locked(path: &Path, file: LockedFile) -> Result<Self, ReadError> {
-        Self::of(path, Bytes::File(file))
+        let opened = State::of(&file).map_err(|source| cannot_open(path, source))?;
+        Ok(Self {
+            own_length: opened.length,
+            opened: Some(opened),
+            ..Self::of(path, Bytes::File(file))?
+        })
     }
 
     /// Notes whether an interrupted change of the file was undone.
@@ -101,6 +133,7 @@ impl LogFile {
             own_length: length.map_err(|source| cannot_open(path, source))?,
             bytes,
             tails: Vec::new(),
+            opened: None,
             recovered: false,
         })
     }
@@ -120,6 +153,42 @@ impl LogFile {
     pub fn without_tail(mut self) -> Self {
         self.tails.pop();
         self
+    }
+
+    /// How many bytes other programs have added to the file since it was opened. Nothing is known of what is not a file.
+    ///
+    /// # Errors
+    /// The file was written to in another way, so that what was read may not belong together.
+    pub fn grown_by(&self) -> Result<u64, ReadError> {
+        let (Some(before), Some(file)) = (self.opened, self.as_file()) else {
+            return Ok(0);
+        };
+        let now =
+            State::of(file).map_err(|source| ReadError::io("cannot read", &self.path, source))?;
+        let path = || self.path.clone();
+        match now.length.checked_sub(before.length) {
+            None => Err(ReadError::BecameShorter {
+                path: path(),
+                before: before.length,
+                after: now.length,
+            }),
+            Some(0) if !now.is_still(&before) => Err(ReadError::Changed { path: path() }),
+            Some(added) => Ok(added),
+        }
+    }
+
+    /// The error of a file that has become shorter since it was opened.
+    pub(crate) fn became_shorter(&self) -> Option<ReadError> {
+        let error = self.grown_by().err()?;
+        matches!(error, ReadError::BecameShorter { .. }).then_some(error)
+    }
+
+    /// Whether no program has written to the file since it was opened.
+    pub(crate) fn is_untouched(&self) -> io::Result<bool> {
+        let (Some(before), Some(file)) = (self.opened, self.as_file()) else {
+            return Ok(true);
+        };
+        Ok(State::of(file)?.is_still(&before))
     }
 
     /// Whether another log has the same bytes from `start` on.
@@ -229,7 +298,10 @@ impl LogFile {
         // Bytes that are about to be overwritten need not be zeroed first.
         buffer.resize(end, 0);
         let read = self.read_exact(&mut buffer[kept..], offset);
-        read.map_err(|source| ReadError::io("cannot read", &self.path, source))
+        read.map_err(|source| {
+            let shorter = self.became_shorter();
+            shorter.unwrap_or_else(|| ReadError::io("cannot read", &self.path, source))
+        })
     }
 
     fn read_exact(&self, mut buffer: &mut [u8], offset: u64) -> io::Result<()> {

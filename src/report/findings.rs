@@ -16,7 +16,7 @@ use crate::{
     derived::Quantity,
     log::ScanReason,
     options::Options,
-    sample::{Kind, Tallies},
+    sample::{Kind, Tallies, Tally},
     source::Source,
     transform::{Breaks, Outcome},
     writer::{Layout, Written, original::Original},
@@ -90,8 +90,8 @@ impl<'a> Findings<'a> {
         }
     }
 
-    /// The report on a result that was written to `output`.
-    pub fn report(self, output: PathBuf, written: Written) -> Report {
+    /// The report on a result that was written to `output`, while the log grew by that many bytes.
+    pub fn report(self, output: PathBuf, written: Written, grown_by: u64) -> Report {
         let log = &self.original.log;
         let has_messages = |quantity: &Quantity| written.messages.contains_key(quantity);
         let (present, missing): (Vec<Quantity>, Vec<Quantity>) =
@@ -110,7 +110,7 @@ impl<'a> Findings<'a> {
             reason: self.why_missing(quantity),
         };
         Report {
-            notes: self.notes(&output, &written),
+            notes: self.notes(&output, &written, grown_by),
             written: present.into_iter().map(written_topic).collect(),
             not_written: missing.into_iter().map(missing_topic).collect(),
             input: log.file.path().into(),
@@ -121,7 +121,7 @@ impl<'a> Findings<'a> {
             layout: self.options.layout,
             bytes_kept: written.kept,
             bytes_added: written.length - written.kept,
-            complete: log.is_readable_to_its_end() && self.undecodable() == 0,
+            complete: log.is_readable_to_its_end() && self.undecodable() == 0 && grown_by == 0,
             encoding: self.encoding,
             samples: self.samples,
             breaks: self.breaks,
@@ -130,14 +130,11 @@ impl<'a> Findings<'a> {
 
     /// Samples whose messages could not be read.
     fn undecodable(&self) -> u64 {
-        (self.samples.values())
-            .flat_map(|samples| &samples.tally.dropped)
-            .filter(|(reason, _)| reason.is_unreadable())
-            .map(|(_, count)| count)
-            .sum()
+        let tallies = self.samples.values().map(|samples| &samples.tally);
+        tallies.map(Tally::unreadable).sum()
     }
 
-    fn notes(&self, output: &Path, written: &Written) -> Vec<Note> {
+    fn notes(&self, output: &Path, written: &Written, grown_by: u64) -> Vec<Note> {
         let log = &self.original.log;
         let layout = self.options.layout;
         let replaced = self.original.undone.as_ref().ok();
@@ -149,6 +146,7 @@ impl<'a> Findings<'a> {
             }),
             (layout == Layout::Interleaved).then_some(Note::CannotBeUndone),
             self.note_on_end(),
+            Note::on_growth(grown_by),
             (log.contents.has_loose_messages()).then_some(Note::LooseMessages { layout }),
             (undecodable > 0).then_some(Note::Undecodable {
                 samples: undecodable,

@@ -40,6 +40,12 @@ pub enum Note {
         /// How many bytes follow, which cannot be read.
         lost_bytes: u64,
     },
+    /// Another program wrote to the end of the log's file during the run. Everything is about what was there at the
+    /// start.
+    Grew {
+        /// How many bytes were added until the end of the run, of which nothing was read.
+        added_bytes: u64,
+    },
     /// The log does not end like one that was closed, but its data is whole. The result is closed.
     NotClosedButWhole,
     /// The log has no readable summary. The result has one.
@@ -107,6 +113,11 @@ impl Note {
         let lost_bytes = log.file.length() - offset;
         (lost_bytes > 0).then_some(Self::BreaksOff { offset, lost_bytes })
     }
+    /// A note for a log whose file has become longer since it was opened.
+    pub(crate) fn on_growth(added_bytes: u64) -> Option<Self> {
+        (added_bytes > 0).then_some(Self::Grew { added_bytes })
+    }
+
     /// A note for telemetry whose angles are too large for radians, once all messages have been read.
     pub(crate) fn on_suspicious_angle(source: &Source) -> Option<Self> {
         let angle = source.suspicious_angle()?;

@@ -32,7 +32,10 @@ pub fn copy_range(
     while done < range.end {
         let rest = range.end - done;
         done += match file {
-            Some(file) => fs::copy(file, done, STEP.min(rest), output).map_err(&failed)?,
+            Some(file) => fs::copy(file, done, STEP.min(rest), output).map_err(|source| {
+                let shorter = log.became_shorter();
+                shorter.map_or_else(|| failed(source), WriteError::from)
+            })?,
             None => {
                 let length = PIECE.min(rest);
                 log.read_into(&mut piece, done, length)?;

@@ -100,6 +100,12 @@ pub enum JournalError {
     },
 
     #[error(
+        "{}: another program has written to it since it was opened, so it was left as it is",
+        text::path(path)
+    )]
+    Changed { path: PathBuf },
+
+    #[error(
         "{}: {} beside it is left from an interrupted change of another log ({of})",
         text::path(path),
         text::path(journal)
@@ -253,6 +259,12 @@ impl<'a> NewEnd<'a> {
             return Err(saved(source));
         }
         reached(JournalStep::JournalDurable);
+        // As late as possible, because what another program has written is about to be overwritten.
+        if !log.is_untouched().map_err(saved)? {
+            let _ = fs::remove_file(&path);
+            let path = log.path().into();
+            return Err(JournalError::Changed { path });
+        }
         let made = change.make(reached);
         made.map_err(|source| JournalError::io("cannot write the log", log.path(), source))
             .and_then(|()| remove(&path, reached))

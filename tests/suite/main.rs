@@ -41,6 +41,8 @@ mod decode {
 mod enrich {
     // Logs that are not as they should be.
     mod bad_input;
+    // Logs that another program writes to.
+    mod changed_log;
     mod disk_full;
     // What reaches the disk before what.
     mod durability;

@@ -34,6 +34,11 @@ fn on_the_log(note: &Note) -> Option<String> {
         Note::BreaksOff { offset, lost_bytes } => format!(
             "the log breaks off at byte {offset}; the {lost_bytes} bytes from there on are not readable"
         ),
+        Note::Grew { added_bytes } => format!(
+            "another program is still writing the log: it grew by {} while it was read; everything here is about what \
+             was there at the start",
+            plural(*added_bytes, "byte")
+        ),
         Note::NotClosedButWhole => {
             "the log does not end like a closed log, but its data is whole; the result is closed".to_owned()
         }
