@@ -34,4 +34,4 @@ pub(crate) mod schema;
 mod tree;
 pub(crate) mod value;
 
-pub(crate) use json::FirstMessages;
+pub(crate) use json::{FirstMessages, Proof};

@@ -19,7 +19,7 @@ use mcap::records::Channel;
 use serde::{Serialize, Serializer, ser::SerializeStruct};
 
 use crate::{
-    decode::path::FieldPath,
+    decode::{Proof, path::FieldPath},
     log::{Log, record::RawMessage},
     sample::{DropReason, Kind, Sample},
     text::{self, Foreign},
@@ -38,6 +38,8 @@ pub struct Source {
     /// The other profiles that were tried, the better ones first.
     pub runners_up: Vec<RunnerUp>,
     fit: Fit,
+    /// What it took for its fields to be there.
+    proof: Proof,
     channels: BTreeMap<u16, ChannelReader>,
 }
 

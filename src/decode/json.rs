@@ -9,4 +9,4 @@ mod schema;
 
 pub use decoder::JsonDecoder;
 pub use first_messages::FirstMessages;
-pub use schema::JsonSchema;
+pub use schema::{JsonSchema, Proof};

@@ -5,7 +5,7 @@ use mcap::records::Channel;
 use super::{
     error::SchemaError,
     field::{FieldKind, Wanted},
-    json::{FirstMessages, JsonDecoder, JsonSchema},
+    json::{FirstMessages, JsonDecoder, JsonSchema, Proof},
     path::FieldPath,
     protobuf::{ProtobufDecoder, ProtobufSchema},
     ros::{Dialect, RosDecoder, RosSchema},
@@ -39,6 +39,7 @@ impl<'a> MessageSchema<'a> {
         channel: &Channel,
         schema: Option<&contents::SchemaRecord>,
         first_messages: &'a FirstMessages<'a>,
+        proof: Proof,
     ) -> Result<Self, SchemaError> {
         let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
         match (channel.message_encoding.as_str(), schema_encoding, schema) {
@@ -47,7 +48,7 @@ impl<'a> MessageSchema<'a> {
             }
             ("json", "jsonschema" | "", schema) => {
                 let data = schema.map_or(&[][..], |schema| schema.data());
-                JsonSchema::new(data, first_messages, channel.id).map(Self::Json)
+                JsonSchema::new(data, first_messages, channel.id, proof).map(Self::Json)
             }
             ("cdr", "ros2msg", Some(schema)) => {
                 RosSchema::new(Dialect::Ros2, &schema.name, schema.data()).map(Self::Ros)

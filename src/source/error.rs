@@ -93,6 +93,18 @@ pub enum TelemetryError {
     Read(#[from] ReadError),
 }
 
+impl TelemetryError {
+    /// Whether something fits, and something else fits equally well.
+    pub(super) fn is_ambiguity(&self) -> bool {
+        matches!(
+            self,
+            Self::SeveralTopicsFit { .. }
+                | Self::SeveralProfilesFit { .. }
+                | Self::SeveralVehicles { .. }
+        )
+    }
+}
+
 /// A namespace as a request writes it.
 fn written(namespace: &Foreign) -> Foreign {
     match namespace.is_empty() {

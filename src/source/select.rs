@@ -12,10 +12,18 @@ use super::{
     profile::Profile,
     request::Request,
 };
-use crate::{decode::FirstMessages, log::Log, sample::Kind, text::Foreign};
+use crate::{
+    decode::{FirstMessages, Proof},
+    log::Log,
+    sample::Kind,
+    text::Foreign,
+};
 pub use fit::Fit;
 use fit::{Specificity, specificity};
 use log_search::LogSearch;
+
+/// The kinds of sample that something is derived from. A position is only shown.
+const DERIVED_FROM: [Kind; 3] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity];
 
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -70,18 +78,59 @@ impl Source {
         Self::find(log, request, Thoroughness::All)
     }
 
+    /// Where schemas leave open which fields JSON messages have, what the messages show goes before what the schemas
+    /// list, unless less would be found: a field that is 0 at first may be left out.
     fn find(
         log: &Log,
         request: &Request,
         thoroughness: Thoroughness,
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let log_search = LogSearch::new(log, &examples, request);
+        let log_search = |proof| LogSearch::new(log, &examples, request, proof);
+        let listed = Self::find_by(&log_search(Proof::Listed), request, thoroughness);
+        let is_settled = match &listed {
+            Ok(source) => source.is_confirmed_by(&log_search(Proof::Shown)),
+            Err(error) => !error.is_ambiguity(),
+        };
+        if is_settled {
+            return listed;
+        }
+        let shown = Self::find_by(&log_search(Proof::Shown), request, thoroughness);
+        let is_better = match (&listed, &shown) {
+            (Ok(listed), Ok(shown)) => shown.has_all_of(listed),
+            (Err(_), Ok(_)) => true,
+            (Err(_), Err(error)) => error.is_ambiguity(),
+            (Ok(_), Err(_)) => false,
+        };
+        if is_better { shown } else { listed }
+    }
+
+    /// Whether a search that asks for more proof finds the same fields.
+    fn is_confirmed_by(&self, log_search: &LogSearch) -> bool {
+        let definitions = &log_search.log.contents.definitions;
+        let mut channels = self.channels.keys().map(|id| &definitions.channels[id]);
+        let search = log_search.search(&self.profile, &self.fit.namespace);
+        !channels.any(|channel| FirstMessages::tell_the_fields_of(&channel.record))
+            || search.confirms(&self.fit, &DERIVED_FROM)
+    }
+
+    /// Whether it has every kind of sample that another one has and that something is derived from.
+    fn has_all_of(&self, other: &Self) -> bool {
+        let has_as_much = |&kind: &Kind| self.role(kind).is_some() || other.role(kind).is_none();
+        DERIVED_FROM.iter().all(has_as_much)
+    }
+
+    fn find_by(
+        log_search: &LogSearch,
+        request: &Request,
+        thoroughness: Thoroughness,
+    ) -> Result<Self, TelemetryError> {
+        let log = log_search.log;
         log_search.check_request()?;
         let mut profiles = request.profiles();
         // The most specific come first. The sort is stable, so equals keep their order.
         profiles.sort_by_key(|profile| Reverse(specificity(profile)));
-        let (candidates, misfits) = try_profiles(&log_search, &profiles, thoroughness)?;
+        let (candidates, misfits) = try_profiles(log_search, &profiles, thoroughness)?;
         let Some((best, rest)) = choose(candidates) else {
             return Err(none_fits(log, misfits));
         };
@@ -99,6 +148,7 @@ impl Source {
             runners_up: runners_up.chain(misfits).collect(),
             profile: (*profile).clone(),
             fit: fit.clone(),
+            proof: log_search.proof,
         })
     }
 
@@ -113,7 +163,7 @@ impl Source {
         kinds: &BTreeSet<Kind>,
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let log_search = LogSearch::new(log, &examples, request);
+        let log_search = LogSearch::new(log, &examples, request, self.proof);
         Ok(Self {
             channels: (log_search.search(&self.profile, &self.fit.namespace))
                 .channels(&self.fit, kinds)?,

@@ -11,7 +11,7 @@ use super::{
     request::Request,
 };
 use crate::{
-    decode::{FirstMessages, schema::MessageSchema},
+    decode::{FirstMessages, Proof, schema::MessageSchema},
     log::{LONGEST_EXAMPLE, contents::Definitions, stream::Passing},
     sample::Kind,
 };
@@ -150,7 +150,8 @@ impl StreamFilter {
             return false;
         }
         let examples = FirstMessages::given(examples);
-        let Ok(schema) = MessageSchema::of(channel, schema, &examples) else {
+        // Whether it takes more than that is known only when all topics are.
+        let Ok(schema) = MessageSchema::of(channel, schema, &examples, Proof::Listed) else {
             return false;
         };
         profiles.any(|profile| {

@@ -88,6 +88,7 @@ mod source {
     mod pitfalls;
     mod profile_toml;
     mod selection;
+    mod shared_schemas;
     // Which messages of a streamed log are kept.
     mod stream_filter;
     // The text of a profile in an enriched log.

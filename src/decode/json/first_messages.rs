@@ -43,7 +43,7 @@ impl<'a> FirstMessages<'a> {
         Self::Given(parse(payloads))
     }
 
-    /// The first messages of a channel, without those that are not valid JSON.
+    /// The first messages of a channel; null for one that is not valid JSON.
     ///
     /// # Errors
     /// The log cannot be read.
@@ -75,7 +75,8 @@ fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, ReadError> {
         .collect())
 }
 
+/// What is not JSON shows no field.
 fn parse(payloads: &[Vec<u8>]) -> Vec<Value> {
     let values = payloads.iter().map(|json| serde_json::from_slice(json));
-    values.filter_map(Result::ok).collect()
+    values.map(Result::unwrap_or_default).collect()
 }

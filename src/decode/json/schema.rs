@@ -10,12 +10,22 @@ use crate::{
     decode::{
         error::{Listing, SchemaError},
         field::{FieldKind, Wanted},
-        path::FieldPath,
+        path::{FieldPath, PathStep},
         resolve::{Node, resolve, walk},
         tree::tree,
     },
     text::Foreign,
 };
+
+/// What it takes for the messages of a JSON channel to have a field. A schema may list fields that they do not have,
+/// because it is that of other topics too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Proof {
+    /// The schema lists it, or one of the first messages has it.
+    Listed,
+    /// The schema requires it, or one of the first messages has it, and not null.
+    Shown,
+}
 
 /// What is known about a channel's messages: what its JSON Schema lists, and what its first messages contain.
 #[derive(Debug)]
@@ -23,6 +33,7 @@ pub struct JsonSchema<'a> {
     schema: Value,
     first_messages: &'a FirstMessages<'a>,
     channel_id: u16,
+    proof: Proof,
 }
 
 impl<'a> JsonSchema<'a> {
@@ -31,6 +42,7 @@ impl<'a> JsonSchema<'a> {
         schema: &[u8],
         first_messages: &'a FirstMessages<'a>,
         channel_id: u16,
+        proof: Proof,
     ) -> Result<Self, SchemaError> {
         Ok(Self {
             schema: match schema {
@@ -39,6 +51,7 @@ impl<'a> JsonSchema<'a> {
             },
             first_messages,
             channel_id,
+            proof,
         })
     }
 
@@ -46,14 +59,21 @@ impl<'a> JsonSchema<'a> {
     /// messages.
     pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         let described = resolve(self.root(), path)?.node;
-        if described.kind() == FieldKind::Number {
-            return Ok(FieldKind::Number);
+        let kind = described.kind();
+        let is_enough = self.proof == Proof::Listed || self.requires(path);
+        if kind == FieldKind::Number && is_enough {
+            return Ok(kind);
         }
         let messages = self.first_messages.of(self.channel_id)?;
-        let found = (messages.iter()).filter_map(|message| Some(walk(message, path).ok()?.node));
+        // Messages too long to be examples show nothing, and disprove nothing.
+        let is_enough = is_enough || messages.is_empty();
+        let found = (messages.iter())
+            .filter_map(|message| Some(walk(message, path).ok()?.node))
+            .filter(|value| is_enough || !value.is_null());
         match found.max_by_key(|value| !value.is_null()) {
+            Some(_) if kind == FieldKind::Number => Ok(kind),
             Some(value) => Ok(value.kind()),
-            None if described.schema.is_some() => Ok(FieldKind::Unknown),
+            None if described.schema.is_some() && is_enough => Ok(kind),
             None => Err(SchemaError::NoSuchField {
                 missing: vec![path.clone()],
                 place: Listing::FirstMessages,
@@ -65,6 +85,27 @@ impl<'a> JsonSchema<'a> {
                     .collect(),
             }),
         }
+    }
+
+    /// Whether the JSON Schema says that every message has what a path leads to.
+    fn requires(&self, path: &FieldPath) -> bool {
+        let mut place = &self.schema;
+        path.steps().iter().all(|step| {
+            let (is_required, next) = match step {
+                PathStep::Name(name) => {
+                    let required = place["required"].as_array();
+                    let is_required =
+                        required.is_some_and(|names| names.iter().any(|one| one == name));
+                    (is_required, &place["properties"][name])
+                }
+                &PathStep::Index(index) => {
+                    let least = place["minItems"].as_u64();
+                    (least > Some(index as u64), &place["items"])
+                }
+            };
+            place = next;
+            is_required
+        })
     }
 
     /// Makes a decoder that puts the n-th wanted field into slot n.

@@ -9,7 +9,7 @@ use super::{
     namespace_search::NamespaceSearch,
 };
 use crate::{
-    decode::{FirstMessages, path::FieldPath, schema::MessageSchema},
+    decode::{FirstMessages, Proof, path::FieldPath, schema::MessageSchema},
     log::Log,
     sample::Kind,
     source::{
@@ -27,6 +27,8 @@ use crate::{
 pub struct LogSearch<'a> {
     pub log: &'a Log,
     examples: &'a FirstMessages<'a>,
+    /// What it takes for the fields of JSON messages to be there.
+    pub proof: Proof,
     /// The channels that have messages, by topic.
     pub topics: BTreeMap<&'a str, Vec<&'a Channel>>,
     /// The only namespace to look in, if the user names one.
@@ -37,7 +39,12 @@ pub struct LogSearch<'a> {
 
 impl<'a> LogSearch<'a> {
     /// Prepares the search for a request in a log.
-    pub fn new(log: &'a Log, examples: &'a FirstMessages<'a>, request: &'a Request) -> Self {
+    pub fn new(
+        log: &'a Log,
+        examples: &'a FirstMessages<'a>,
+        request: &'a Request,
+        proof: Proof,
+    ) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
         for (channel, _) in log.contents.channels_with_messages() {
             topics.entry(&channel.topic).or_default().push(channel);
@@ -45,6 +52,7 @@ impl<'a> LogSearch<'a> {
         Self {
             log,
             examples,
+            proof,
             topics,
             namespace: request.namespace.as_deref(),
             requested: &request.roles,
@@ -179,7 +187,12 @@ impl<'a> LogSearch<'a> {
 
     pub fn schema(&self, channel: &Channel) -> Result<MessageSchema<'_>, BindError> {
         let schema = self.log.contents.schema_of(channel);
-        Ok(MessageSchema::of(channel, schema, self.examples)?)
+        Ok(MessageSchema::of(
+            channel,
+            schema,
+            self.examples,
+            self.proof,
+        )?)
     }
 }
 

@@ -198,7 +198,20 @@ impl NamespaceSearch<'_> {
         )
     }
 
-    /// Makes readers for each channel of a fit's topics, for some kinds of sample.
+    /// Whether this search, which may ask for more proof than the one that found a fit, finds the same fields for some
+    /// kinds of sample.
+    pub fn confirms(&self, fit: &Fit, kinds: &[Kind]) -> bool {
+        let is_same = |(kind, origin): (Kind, &Origin)| {
+            let alternatives = self.at_topic(kind, &origin.topic, &fit.attitude.topic);
+            let bound = self.bind(kind, &origin.topic, &alternatives);
+            bound.is_ok_and(|bound| bound == *origin)
+        };
+        (kinds.iter())
+            .filter_map(|&kind| Some((kind, fit.role(kind).ok()?)))
+            .all(is_same)
+    }
+
+    /// How to read each channel of a fit's topics for some kinds of sample.
     pub fn channels(
         &self,
         fit: &Fit,
