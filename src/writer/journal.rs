@@ -240,6 +240,12 @@ impl<'a> NewEnd<'a> {
             path,
         } = self;
         let saved = |source| not_saved(&path, source);
+        let changed = || JournalError::Changed {
+            path: log.path().into(),
+        };
+        if !log.is_untouched().map_err(saved)? {
+            return Err(changed());
+        }
         let trailer = complete(file, log.path(), start, &journal).map_err(saved)?;
         reached(JournalStep::JournalWritten);
         journal.file().sync_all().map_err(saved)?;
@@ -259,11 +265,10 @@ impl<'a> NewEnd<'a> {
             return Err(saved(source));
         }
         reached(JournalStep::JournalDurable);
-        // As late as possible, because what another program has written is about to be overwritten.
+        // Once more, because what another program has written since is about to be overwritten.
         if !log.is_untouched().map_err(saved)? {
             let _ = fs::remove_file(&path);
-            let path = log.path().into();
-            return Err(JournalError::Changed { path });
+            return Err(changed());
         }
         let made = change.make(reached);
         made.map_err(|source| JournalError::io("cannot write the log", log.path(), source))
@@ -321,10 +326,12 @@ fn complete(log: &File, log_path: &Path, start: u64, journal: &NewFile) -> io::R
     // The fastest level, because a log's end is mostly repeated schemas, or compressed already.
     let mut zstd = zstd::Encoder::new(BufWriter::with_capacity(PIECE, &mut out), 1)?;
     let old_length = log.length()?;
+    let length = old_length.checked_sub(start);
+    let length = length.ok_or(ErrorKind::UnexpectedEof)?;
     let mut end = log;
     end.seek(SeekFrom::Start(start))?;
     io::copy(
-        &mut BufReader::with_capacity(PIECE, end.take(old_length - start)),
+        &mut BufReader::with_capacity(PIECE, end.take(length)),
         &mut zstd,
     )?;
     zstd.finish()?.flush()?;

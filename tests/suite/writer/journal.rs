@@ -522,6 +522,21 @@ fn a_journal_whose_log_is_gone_is_kept() {
 }
 
 #[test]
+fn a_journal_that_appears_during_a_run_is_not_replaced() {
+    let log = Shape::default().write();
+    let folder = Folder::with(LOG, &log);
+    let journal = folder.path(JOURNAL);
+    let options = options().on_step(move |step| {
+        assert_eq!(step, JournalStep::JournalWritten);
+        fs::write(&journal, "of somebody else").expect("written");
+    });
+    let result = enrich(folder.path(LOG), Output::InPlace, &options);
+    assert!(result.is_err());
+    assert!(folder.read(LOG) == log);
+    assert_eq!(folder.read(JOURNAL), b"of somebody else");
+}
+
+#[test]
 fn an_output_is_refused_where_a_journal_exists() {
     let ends = Ends::of(&Shape::default().write(), Change::Enrich);
     let folder = before_the_first_write(&ends, Change::Enrich);
