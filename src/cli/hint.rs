@@ -21,6 +21,8 @@ give --depression DEG, the angle of the camera's optical axis below the horizon
 The angle is in degrees, greater than -90 and at most 90. For a camera that is bolted to the airframe give --mount \
 ROLL,PITCH,YAW instead; where the log has a gimbal's angles that no profile knows of, --gimbal says where.";
 
+const AGAIN: &str = "try again when nothing writes to the log any more";
+
 /// What the user can do about an error, if that does not follow from the error itself.
 pub fn hint(error: &Error) -> Option<String> {
     let hint = match error {
@@ -56,6 +58,7 @@ fn of_reading(error: &ReadError) -> Option<&'static str> {
         ReadError::Damaged { .. } => {
             "`mcap recover` (https://mcap.dev) saves what can still be read into a new file"
         }
+        ReadError::BecameShorter { .. } | ReadError::Changed { .. } => AGAIN,
         ReadError::Locked { .. } => "try again when that has ended",
         ReadError::NoLocks { .. } => "write the result to a new file (-o)",
         _ => return None,
@@ -64,6 +67,7 @@ fn of_reading(error: &ReadError) -> Option<&'static str> {
 
 fn of_the_journal(error: &JournalError) -> Option<&'static str> {
     Some(match error {
+        JournalError::Changed { .. } => AGAIN,
         JournalError::Foreign { .. } => {
             "put that log back in its place, or remove the journal if that log is lost"
         }
