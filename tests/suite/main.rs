@@ -64,6 +64,9 @@ mod log {
     mod early_end;
     // Lengths that lie.
     mod lengths;
+    // Long records and lengths that lie, where there is little memory.
+    #[cfg(unix)]
+    mod little_memory;
     // Log times from indexes.
     mod message_times;
     // Logs from a pipe.
