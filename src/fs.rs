@@ -166,6 +166,40 @@ pub fn copy(mut input: &File, offset: u64, most: u64, output: &mut impl Write) -
     }
 }
 
+/// Puts everything that a decoder yields into a temporary file, whose position is its start, and gives it to `visit` as
+/// well. Returns the file and its length; `None` if the decoder fails, which means that what it decodes is damaged.
+///
+/// Zeros take no room on most disks, because a recorder that crashed can leave gigabytes of them.
+///
+/// # Errors
+/// The file cannot be created or written.
+pub fn to_temporary_file(
+    mut decoder: impl Read,
+    mut visit: impl FnMut(&[u8]),
+) -> io::Result<Option<(File, u64)>> {
+    /// How much is held in memory.
+    const PIECE: usize = 1024 * 1024;
+    let mut file = tempfile::tempfile()?;
+    let mut piece = vec![0; PIECE];
+    let mut length = 0;
+    loop {
+        let piece = match decoder.read(&mut piece) {
+            Ok(0) => break,
+            Ok(read) => &piece[..read],
+            Err(_) => return Ok(None),
+        };
+        visit(piece);
+        match piece.iter().all(|&byte| byte == 0) {
+            true => drop(file.seek(SeekFrom::Current(piece.len() as i64))?),
+            false => file.write_all(piece)?,
+        }
+        length += piece.len() as u64;
+    }
+    file.set_len(length)?;
+    file.rewind()?;
+    Ok(Some((file, length)))
+}
+
 // ---- Locks ----
 
 /// How a file will be used, which determines the lock that it needs.

@@ -9,6 +9,7 @@ use std::{
 
 use super::{plan::Plan, target::Target, write};
 use crate::{
+    error::Error,
     log::{
         Log,
         stream::{Named, pass_through},
@@ -70,7 +71,15 @@ fn enrich_onward(
     options: &Options,
     run: &Run,
 ) -> Result<Report, Stopped> {
-    let passed = pass_on(input, name, &mut *output, options, run)?;
+    let passed =
+        pass_on(input, name, &mut *output, options, run).map_err(|stopped| match stopped {
+            // Found at the end, when all of it has been passed on.
+            Stopped::Failed(Error::Read(error)) if error.is_early_end() => {
+                let cause = Box::new(error.into());
+                RunError::PassedOn { cause }.into()
+            }
+            stopped => stopped,
+        })?;
     let mut output = Noting {
         stream: output,
         is_written_to: false,

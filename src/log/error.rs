@@ -239,6 +239,15 @@ fn describe(format: Option<ForeignFormat>) -> String {
 }
 
 impl ReadError {
+    /// Whether the log goes on after the record that ends its data.
+    pub(crate) fn is_early_end(&self) -> bool {
+        let damage = match self {
+            Self::Damaged { damage, .. } => Some(damage),
+            _ => None,
+        };
+        matches!(damage, Some(Damage::EarlyEnd(_)))
+    }
+
     pub(crate) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         Self::Io {
             action,

@@ -7,7 +7,7 @@ mod added;
 
 use std::{
     fs::File,
-    io::{self, Read, Seek, Write},
+    io::{self, Read, Write},
 };
 
 use mcap::records::{AttachmentIndex, op};
@@ -19,6 +19,7 @@ use super::{
     provenance::{self, EarlierRun},
 };
 use crate::{
+    fs::to_temporary_file,
     log::{
         Damage, Log, ReadError,
         fingerprint::Fingerprint,
@@ -253,27 +254,14 @@ fn content(body: &[u8]) -> Option<&[u8]> {
 impl OriginalTail {
     /// The tail in a temporary file; `None` if it is not the one that was compressed.
     fn decompress(&self) -> io::Result<Option<File>> {
-        let mut file = tempfile::tempfile()?;
         let mut sha256 = Sha256::new();
         // Reading one byte more than there should be detects a longer tail.
-        let mut zstd =
+        let zstd =
             zstd::Decoder::new(self.tail_zstd.as_slice())?.take(self.tail_length.saturating_add(1));
-        let mut piece = vec![0; PIECE as usize];
-        let mut length = 0;
-        loop {
-            // A damaged frame is not an error of the disk.
-            let read = match zstd.read(&mut piece) {
-                Ok(0) => break,
-                Ok(read) => read,
-                Err(_) => return Ok(None),
-            };
-            sha256.update(&piece[..read]);
-            file.write_all(&piece[..read])?;
-            length += read as u64;
-        }
-        file.rewind()?;
-        let is_right = length == self.tail_length
-            && sha256.finalize().as_slice() == self.tail_sha256.as_slice();
-        Ok(is_right.then_some(file))
+        let tail = to_temporary_file(zstd, |piece| sha256.update(piece))?;
+        let (length, hash) = (self.tail_length, sha256.finalize());
+        Ok(tail
+            .filter(|(_, found)| *found == length && hash.as_slice() == self.tail_sha256.as_slice())
+            .map(|(file, _)| file))
     }
 }

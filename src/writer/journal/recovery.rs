@@ -2,18 +2,18 @@
 
 use std::{
     fs::{self, File},
-    io::{self, ErrorKind, Read, Seek, Write},
+    io::{self, ErrorKind, Read},
     path::{Path, PathBuf},
 };
 
 use binrw::BinRead;
 
 use super::{
-    ANY_VERSION, CRC, Change, ENDING, JournalError, JournalFault, MAGIC, PIECE, Trailer, beside,
-    checksum, for_each_piece, remove,
+    ANY_VERSION, CRC, Change, ENDING, JournalError, JournalFault, MAGIC, Trailer, beside, checksum,
+    for_each_piece, remove,
 };
 use crate::{
-    fs::{Access, LockedFile, ReadAt, Slice},
+    fs::{Access, LockedFile, ReadAt, Slice, to_temporary_file},
     log::{Log, ReadError, file::LogFile, fingerprint::Fingerprint},
     writer::original::Original,
 };
@@ -201,24 +201,11 @@ impl Change<'_> {
     fn uncompress_old_end(&self) -> io::Result<Result<File, JournalFault>> {
         let expected = self.trailer.old_length - self.trailer.start();
         // Reading one byte more than there should be detects a longer end.
-        let mut end = self.old_end()?.take(expected.saturating_add(1));
-        let mut file = tempfile::tempfile()?;
-        let mut piece = vec![0; PIECE];
-        let mut length = 0;
-        loop {
-            // A damaged frame is not an error of the disk.
-            let read = match end.read(&mut piece) {
-                Ok(0) => break,
-                Ok(read) => read,
-                Err(_) => return Ok(Err(JournalFault::Damaged)),
-            };
-            file.write_all(&piece[..read])?;
-            length += read as u64;
-        }
-        file.rewind()?;
-        Ok(match length == expected {
-            true => Ok(file),
-            false => Err(JournalFault::Lengths),
+        let end = self.old_end()?.take(expected.saturating_add(1));
+        Ok(match to_temporary_file(end, |_| {})? {
+            None => Err(JournalFault::Damaged),
+            Some((file, length)) if length == expected => Ok(file),
+            Some(_) => Err(JournalFault::Lengths),
         })
     }
 

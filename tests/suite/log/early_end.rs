@@ -4,6 +4,8 @@
 use std::path::Path;
 
 use flightcam::{
+    Error, Input, Output, enrich,
+    error::RunError,
     log::{Damage, Log, ReadError, RecordKind, record::push_record},
     source::request::Request,
 };
@@ -77,6 +79,25 @@ fn a_message_that_became_the_end_of_the_data_is_reported() {
             }
         }
     }
+}
+
+#[test]
+fn the_next_program_in_a_pipe_gets_such_a_log_as_it_is_and_the_error_says_so() {
+    let mut log = without_chunks();
+    let (place, _) = places(&log)
+        .into_iter()
+        .rfind(|(_, opcode)| *opcode == op::MESSAGE)
+        .expect("a message");
+    log[place] = op::DATA_END;
+    let mut output = Vec::new();
+    let input = Input::stream("input", log.as_slice());
+    let result = enrich(input, Output::stream("output", &mut output), &options());
+    let error = result.expect_err("it is damaged");
+    assert!(
+        matches!(error, Error::Run(RunError::PassedOn { .. })),
+        "{error}"
+    );
+    assert!(output == log);
 }
 
 #[test]
