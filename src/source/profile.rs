@@ -11,7 +11,11 @@ mod fields;
 mod location;
 mod toml;
 
-use std::path::Path;
+use std::{
+    fs::File,
+    io::{self, Read as _},
+    path::Path,
+};
 
 use serde::{Deserialize, Serialize};
 
@@ -146,18 +150,33 @@ impl Profile {
             .extension()
             .is_some_and(|extension| extension == "toml")
             || path.components().count() > 1;
+        let bad = |problem| ProfileError::Bad {
+            path: path.into(),
+            problem,
+        };
         let text = match is_file {
-            true => &std::fs::read_to_string(path).map_err(|source| ProfileError::Io {
+            true => &read(path).map_err(|source| ProfileError::Io {
                 path: path.into(),
                 source,
             })?,
             false => Self::built_in_text(name_or_file)?,
         };
-        Self::parse(text).map_err(|problem| ProfileError::Bad {
-            path: path.into(),
-            problem,
-        })
+        match text.len() as u64 {
+            0..=LONGEST => Self::parse(text).map_err(bad),
+            _ => Err(bad(NotAProfile::TooLong)),
+        }
     }
+}
+
+/// The longest text that is taken for a profile, in bytes: many times as long as any that people write.
+const LONGEST: u64 = 1024 * 1024;
+
+/// Reads a text, of one that is too long only a little more than is allowed.
+fn read(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    let mut file = File::open(path)?.take(LONGEST + 1);
+    file.read_to_string(&mut text)?;
+    Ok(text)
 }
 
 fn yes() -> bool {

@@ -43,6 +43,9 @@ pub enum NotAProfile {
     #[error("{}", text::escaped(in_one_line(.0)))]
     Content(toml::de::Error),
 
+    #[error("it is longer than 1 MiB")]
+    TooLong,
+
     #[error("unknown key `{key}`; docs/profiles.md lists the keys of a profile")]
     UnknownKey { key: Foreign },
 

@@ -295,3 +295,17 @@ fn only_enrich_reads_from_a_pipe() {
         Folder::new().refuses(command, 2, message);
     }
 }
+
+#[test]
+fn a_profile_without_end_is_not_read_to_its_end() {
+    let folder = Folder::with_flight();
+    folder.add("long.toml", "#".repeat(2 << 20));
+    let mut profiles = vec!["./long.toml"];
+    if cfg!(unix) {
+        profiles.push("/dev/zero");
+    }
+    for profile in profiles {
+        let message = format!("{profile}: not a profile: it is longer than 1 MiB");
+        folder.refuses(&enrich(&format!("--profile {profile}")), 2, &message);
+    }
+}
