@@ -176,7 +176,7 @@ fn what_is_about_to_be_done_is_announced_before_it_is_done() {
             .expect("it is read below");
     });
     inspect(folder.path(LOG), &options).expect("a log");
-    let (interrupted, there) = announced.recv().expect("an announcement");
+    let (interrupted, there) = announced.try_recv().expect("an announcement");
     assert!(there == found && announced.try_recv().is_err());
     assert_eq!(interrupted.found_length, found.len() as u64);
     assert_eq!(interrupted.old_length, ends.before.len() as u64);
