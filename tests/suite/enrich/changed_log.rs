@@ -53,10 +53,12 @@ fn shorten(log: &Path) {
     file.set_len(length - 1000).expect("shortened");
 }
 
-/// Writes the same again, some time later.
+/// Writes the same again, some time later. The log is whole all the time, or the run could fail because of that.
 fn rewrite(log: &Path) {
     let content = fs::read(log).expect("the log");
-    fs::write(log, content).expect("written");
+    let mut file = File::options().write(true).open(log).expect("the log");
+    file.write_all(&content).expect("written");
+    drop(file);
     touch(log);
 }
 
@@ -87,27 +89,27 @@ fn at_first(
 type Reading = fn(&Folder, Watched) -> Result<(Vec<u8>, bool, Vec<Note>), Error>;
 type Watched = Box<dyn Fn(Progress) -> ControlFlow<()> + Send + Sync>;
 
-fn told(result: Vec<u8>, report: Report) -> (Vec<u8>, bool, Vec<Note>) {
+fn reported(result: Vec<u8>, report: Report) -> (Vec<u8>, bool, Vec<Note>) {
     (result, report.complete, report.notes)
 }
 
 fn to_new_file(folder: &Folder, watch: Watched) -> Result<(Vec<u8>, bool, Vec<Note>), Error> {
     let options = options().watch(watch);
     let report = enrich(folder.path(LOG), folder.path(RESULT), &options)?;
-    Ok(told(folder.read(RESULT), report))
+    Ok(reported(folder.read(RESULT), report))
 }
 
 fn interleaved(folder: &Folder, watch: Watched) -> Result<(Vec<u8>, bool, Vec<Note>), Error> {
     let options = options().layout(Layout::Interleaved).watch(watch);
     let report = enrich(folder.path(LOG), folder.path(RESULT), &options)?;
-    Ok(told(folder.read(RESULT), report))
+    Ok(reported(folder.read(RESULT), report))
 }
 
 fn to_stream(folder: &Folder, watch: Watched) -> Result<(Vec<u8>, bool, Vec<Note>), Error> {
     let mut result = Vec::new();
     let output = Output::stream("stream", &mut result);
     let report = enrich(folder.path(LOG), output, &options().watch(watch))?;
-    Ok(told(result, report))
+    Ok(reported(result, report))
 }
 
 fn values(folder: &Folder, watch: Watched) -> Result<(Vec<u8>, bool, Vec<Note>), Error> {
