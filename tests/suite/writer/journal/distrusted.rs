@@ -24,6 +24,8 @@ struct Forged {
     new_end: Vec<u8>,
     /// What is said of the length of the compressed old end, less the right one.
     saved: i64,
+    /// What is said of the length of the trailer, less the right one.
+    trailer: u32,
 }
 
 impl Forged {
@@ -37,6 +39,7 @@ impl Forged {
             old_end: before[start..].to_vec(),
             new_end: after[start..].to_vec(),
             saved: 0,
+            trailer: 0,
         }
     }
 
@@ -54,7 +57,7 @@ impl Forged {
         trailer.extend((saved.len() as i64 + self.saved).to_le_bytes());
         trailer.extend(b"/logs/flight.mcap");
         journal.extend(&trailer);
-        journal.extend((trailer.len() as u32).to_le_bytes());
+        journal.extend((trailer.len() as u32 + self.trailer).to_le_bytes());
         let crc = crc32fast::hash(&journal);
         journal.extend(crc.to_le_bytes());
         journal
@@ -95,6 +98,7 @@ fn changed_since(ends: &Ends) -> Vec<(&'static str, Vec<u8>)> {
     flipped[start + FRAME_LENGTH] ^= 0x55;
     let mut changed = vec![
         ("added to, old", added(longest)),
+        ("zeros added", [longest, &[0; 1000][..]].concat()),
         (
             "added to, half",
             [&after[..half], &message, &[0xa5; 100]].concat(),
@@ -201,7 +205,7 @@ fn a_journal_whose_lengths_are_forged_is_refused_before_the_first_write() {
     let ends = Ends::of(&Shape::default().write(), Change::Enrich);
     let forged = || Forged::of(&ends.before, &ends.after, ends.start);
     let length = ends.before.len() as u64;
-    let cases: [(&str, Forge); 10] = [
+    let cases: [(&str, Forge); 12] = [
         ("old length", |forged, _| forged.old_length -= 1),
         ("old length", |forged, _| forged.old_length += 1),
         ("old length", |forged, _| forged.old_length = u64::MAX),
@@ -212,6 +216,8 @@ fn a_journal_whose_lengths_are_forged_is_refused_before_the_first_write() {
         ("new length", |forged, _| forged.new_length -= 1),
         ("new length", |forged, _| forged.new_length = u64::MAX),
         ("new length", |forged, length| forged.new_length = length),
+        ("trailer", |forged, _| forged.trailer = 1),
+        ("trailer", |forged, _| forged.trailer = 1 << 30),
         ("saved", |forged, _| forged.saved = -1),
         ("saved", |forged, _| forged.saved = i64::MAX / 2),
     ];
