@@ -10,9 +10,10 @@
 //!
 //! If this is interrupted, the next run that opens the log finds the journal and restores the old end. A journal is
 //! believed only if it is whole and flightcam can have left the log and the journal as they are: after the part that
-//! does not change, each byte of the log must be that of the old end or that of the new end, and everything that the
-//! new end has more than the old one must be flightcam's own. So nothing can be lost, whoever made the journal and
-//! whatever has happened to the log since. If not, both files are left as they are.
+//! does not change, each byte of the log must be that of the old end or that of the new end; and the log before the
+//! change and the log after it must have the same original, so that they differ only in what flightcam has added. So
+//! nothing can be lost, whoever made the journal and whatever has happened to the log since. If not, both files are
+//! left as they are.
 
 mod recovery;
 

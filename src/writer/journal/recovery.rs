@@ -190,7 +190,7 @@ impl Change<'_> {
         if let Some(offset) = self.find_difference(&old_end)? {
             return Ok(Err(JournalFault::LogIsDifferent { offset }));
         }
-        Ok(match self.is_between_same_originals(old_end) {
+        Ok(match self.has_same_original(old_end) {
             Ok(true) => Ok(()),
             Err(ReadError::Io { source, .. }) => return Err(source),
             Ok(false) | Err(_) => Err(JournalFault::NotOurs),
@@ -237,9 +237,9 @@ impl Change<'_> {
         Ok(different)
     }
 
-    /// Whether the log before the change and the log after it are the same log, of which flightcam has enriched one or
-    /// both.
-    fn is_between_same_originals(&self, old_end: File) -> Result<bool, ReadError> {
+    /// Whether the log before the change and the log after it have the same original, whose data ends where the change
+    /// begins. Then undoing the change removes nothing but what flightcam has added.
+    fn has_same_original(&self, old_end: File) -> Result<bool, ReadError> {
         let failed = |source| ReadError::io("cannot read", self.log_path, source);
         let start = self.trailer.start();
         let with_end = |end: Box<dyn ReadAt>, length| {
@@ -250,10 +250,7 @@ impl Change<'_> {
         let old = with_end(Box::new(old_end), self.trailer.old_length - start)?;
         let new_end = self.new_end().map_err(failed)?;
         let new = with_end(Box::new(new_end), self.trailer.new_length - start)?;
-        Ok((old.undone.is_ok() || new.undone.is_ok())
-            && old.log.data_end == start
-            && new.log.data_end == start
-            && old.log.file.has_same_end(&new.log.file, start)?)
+        Ok(old.log.data_end == start && old.log.file.has_same_end(&new.log.file, start)?)
     }
 }
 
