@@ -3,6 +3,7 @@
 
 use std::{
     fs,
+    ops::ControlFlow,
     os::unix::{
         fs::{FileTypeExt, symlink},
         net::UnixListener,
@@ -13,6 +14,7 @@ use std::{
 };
 
 use assert_cmd::cargo::cargo_bin;
+use flightcam::{Error, enrich, error::WriteError};
 
 use crate::support::{folder::*, *};
 
@@ -198,4 +200,19 @@ fn a_regular_file_is_replaced_on_demand_only() {
     assert!(folder.read("other.mcap") == log);
     let names: Vec<_> = folder.contents().into_keys().collect();
     assert_eq!(names.len(), 3, "{names:?}");
+}
+
+#[test]
+fn a_file_that_appears_during_the_run_is_not_replaced() {
+    let folder = folder();
+    let path = folder.path("other.mcap");
+    let appears = path.clone();
+    let options = options().watch(move |_| {
+        fs::write(&appears, "of another program").expect("written");
+        ControlFlow::Continue(())
+    });
+    let error = enrich(folder.path(LOG), &path, &options).expect_err("it is there");
+    let exists = matches!(error, Error::Write(WriteError::OutputExists { .. }));
+    assert!(exists, "{error}");
+    assert_eq!(folder.read("other.mcap"), b"of another program");
 }
