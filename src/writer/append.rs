@@ -11,7 +11,7 @@ use super::{
 use crate::{
     derived::Derived,
     log::{
-        Log, SegmentReader,
+        Log, ReadError, SegmentReader,
         contents::{Contents, SegmentKind},
     },
     messages::Format,
@@ -38,20 +38,24 @@ impl<'a, W: Write> Appender<'a, W> {
     /// # Errors
     /// The output cannot be written, or the log cannot be read.
     pub fn begin(log: &'a Log, out: W, path: PathBuf, format: Format) -> Result<Self, WriteError> {
-        let section = DataSection::new(out, log.data_end, log.data_crc);
-        let mut appender = Self {
-            section: section.map_err(|source| WriteError::output(&path, source))?,
-            tail: original::encode(log)?,
+        let failed = |source| WriteError::output(&path, source);
+        let tail = original::encode(log)?;
+        let mut section = DataSection::new(out, log.data_end, log.data_crc).map_err(failed)?;
+        let contents = match log.contents.has_loose_messages() {
+            true => Cow::Borrowed(&log.contents),
+            false => index_chunks(log, log.data_end, |bytes| {
+                section.write(bytes).map_err(failed)
+            })?,
+        };
+        Ok(Self {
+            section,
+            tail,
             log,
             path,
             channels: NewChannels::new(log, format),
             batch: Batch::default(),
-            contents: Cow::Borrowed(&log.contents),
-        };
-        if !log.contents.has_loose_messages() {
-            appender.write_missing_indexes()?;
-        }
-        Ok(appender)
+            contents,
+        })
     }
 }
 
@@ -110,28 +114,36 @@ impl<W: Write> Appender<'_, W> {
         };
         written.map_err(|source| WriteError::output(&self.path, source))
     }
+}
 
-    /// Writes the message indexes that the log's chunks lack, without which a seeking reader refuses a chunk.
-    fn write_missing_indexes(&mut self) -> Result<(), WriteError> {
-        let mut reader = SegmentReader::new(self.log);
-        for (number, segment) in self.log.contents.segments.iter().enumerate() {
-            if let SegmentKind::Chunk {
+/// Makes the message indexes that a log's chunks lack, without which a seeking reader refuses a chunk. They are to be
+/// written at `position`, with `write`. Returns what the log contains together with them.
+///
+/// # Errors
+/// Those of `write`, or the log cannot be read.
+pub(super) fn index_chunks<E: From<ReadError>>(
+    log: &Log,
+    mut position: u64,
+    mut write: impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<Cow<'_, Contents>, E> {
+    let mut contents = Cow::Borrowed(&log.contents);
+    let mut reader = SegmentReader::new(log);
+    for (number, segment) in log.contents.segments.iter().enumerate() {
+        if let SegmentKind::Chunk {
+            index,
+            is_indexed: false,
+        } = &segment.kind
+        {
+            let indexes = reader.message_indexes(segment)?;
+            let mut index = index.clone();
+            let bytes = summary::encode_message_indexes(&mut index, indexes, position);
+            write(&bytes)?;
+            position += bytes.len() as u64;
+            contents.to_mut().segments[number].kind = SegmentKind::Chunk {
                 index,
-                is_indexed: false,
-            } = &segment.kind
-            {
-                let indexes = reader.message_indexes(segment)?;
-                let mut index = index.clone();
-                let position = self.section.position();
-                let bytes = summary::encode_message_indexes(&mut index, indexes, position);
-                let written = self.section.write(&bytes);
-                written.map_err(|source| WriteError::output(&self.path, source))?;
-                self.contents.to_mut().segments[number].kind = SegmentKind::Chunk {
-                    index,
-                    is_indexed: true,
-                };
-            }
+                is_indexed: true,
+            };
         }
-        Ok(())
     }
+    Ok(contents)
 }

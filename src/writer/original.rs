@@ -4,6 +4,7 @@
 //! attachment of the result, the last record of its data section.
 
 mod added;
+mod ending;
 
 use std::{
     fs::File,
@@ -28,6 +29,7 @@ use crate::{
     messages::v1::OriginalTail,
 };
 use added::Added;
+use ending::Ending;
 
 /// The attachment's name.
 pub const NAME: &str = "flightcam/original_tail";
@@ -73,6 +75,7 @@ impl Original {
             length,
             tail,
             added,
+            ending,
         } = match find(&log)? {
             Ok(found) => found,
             Err(lost) => {
@@ -88,7 +91,7 @@ impl Original {
         if original.data_end != start {
             return Err(original.file.damaged(start, Damage::MisplacedEnd));
         }
-        if added.is_all(&original.contents, &log.contents) {
+        if added.is_of(&original.contents) && ending.is_ours(&original)? {
             return Ok(Self {
                 log: original,
                 undone: Ok(undone),
@@ -174,6 +177,7 @@ struct Found {
     tail: File,
     length: u64,
     added: Added,
+    ending: Ending,
 }
 
 /// What a log contains of its original, or why there is nothing that can be trusted.
@@ -207,6 +211,9 @@ fn find(log: &Log) -> Result<Result<Found, Lost>, ReadError> {
     let Some(added) = Added::read(&log.file, prefix.length, index.offset)? else {
         return rewritten;
     };
+    let Some(ending) = Ending::read(&log.file, prefix.length, log.data_end)? else {
+        return rewritten;
+    };
     let tail = message.decompress().map_err(|source| {
         let action = "cannot uncompress the original's end into a temporary file";
         ReadError::io(action, log.file.path(), source)
@@ -216,6 +223,7 @@ fn find(log: &Log) -> Result<Result<Found, Lost>, ReadError> {
         tail,
         length: message.tail_length,
         added,
+        ending,
     });
     Ok(found.ok_or(Lost::Rewritten))
 }

@@ -151,8 +151,8 @@ impl Added {
         }
     }
 
-    /// Whether this is what enriching the log `original` appends, and all that the log `enriched` has besides.
-    pub fn is_all(&self, original: &Contents, enriched: &Contents) -> bool {
+    /// Whether this is what enriching the log `original` appends.
+    pub fn is_of(&self, original: &Contents) -> bool {
         let (channel_ids, schema_ids) = (original.channel_ids(), original.schema_ids());
         let named: BTreeSet<u16> = self.channels.values().map(|(_, schema)| *schema).collect();
         let is_defined = |id| self.schemas.contains(id) || schema_ids.contains(id);
@@ -172,23 +172,6 @@ impl Added {
             && named.iter().all(is_defined)
             && self.placement == Some(placement)
             && self.indexed == missing_entries(original)
-            && self.says_no_more(original, enriched)
-    }
-
-    /// Whether the summary of the enriched log has nothing else.
-    fn says_no_more(&self, original: &Contents, enriched: &Contents) -> bool {
-        let (before, after) = (&original.definitions, &enriched.definitions);
-        let mut schemas = after.schemas.keys();
-        let mut channels = after.channels.keys();
-        let [mut kept, mut unknown] =
-            [original, enriched].map(|contents| contents.unknown_summary.clone());
-        // They are written kind by kind.
-        kept.sort_by_key(|(opcode, _)| *opcode);
-        unknown.sort_by_key(|(opcode, _)| *opcode);
-        schemas.all(|id| before.schemas.contains_key(id) || self.schemas.contains(id))
-            && channels.all(|id| before.channels.contains_key(id) || self.channels.contains_key(id))
-            // A log that was cut short has no summary any more.
-            && (unknown.is_empty() || unknown == kept)
     }
 }
 

@@ -49,7 +49,8 @@ fn enriched_logs() -> Vec<(Vec<u8>, Vec<u8>)> {
         .collect()
 }
 
-/// The enriched log with other records after the original's data, whose last one stays the attachment.
+/// The enriched log with other records after the original's data, whose last one stays the attachment. It is cut short
+/// there, because a summary would not be that of these records.
 fn with_added(enriched: &[u8], change: impl FnOnce(&mut Vec<(u8, Vec<u8>)>)) -> Vec<u8> {
     let start = original_tail(enriched).data_end as usize;
     let mut parts = Parts::of(enriched);
@@ -62,13 +63,11 @@ fn with_added(enriched: &[u8], change: impl FnOnce(&mut Vec<(u8, Vec<u8>)>)) -> 
     let own = own.count();
     let mut added = parts.data.split_off(own);
     change(&mut added);
-    parts.data.extend(added);
-    parts.data_section_crc = 0;
-    // What it would say of places is not true any more.
-    parts
-        .summary
-        .retain(|(opcode, _)| matches!(*opcode, op::SCHEMA | op::CHANNEL));
-    parts.join()
+    let mut log = mcap::MAGIC.to_vec();
+    for (opcode, body) in parts.data.iter().chain(&added) {
+        push_record(&mut log, *opcode, body);
+    }
+    log
 }
 
 #[test]
@@ -377,4 +376,71 @@ fn a_private_record_that_was_added_to_the_summary_is_refused() {
     let folder = Folder::with(LOG, enriched);
     folder.run(&format!("restore {LOG}"), 0);
     assert!(folder.read(LOG) == log);
+}
+
+/// What is after the attachment with the original's end is replaced by something else.
+#[test]
+fn what_is_after_the_data_and_not_from_flightcam_is_not_cut_off() {
+    for (log, enriched) in enriched_logs() {
+        let whole = Parts::of(&enriched);
+        let data: usize = (whole.data.iter())
+            .map(|(_, body)| FRAME_LENGTH + body.len())
+            .sum();
+        let end = mcap::MAGIC.len() + data;
+        let data_end = end + FRAME_LENGTH + 4;
+        let record = |opcode, body: &[u8]| {
+            let mut record = Vec::new();
+            push_record(&mut record, opcode, body);
+            record
+        };
+        let message = record(op::MESSAGE, &foreign_message());
+        let with = |kept: usize, more: &[&[u8]]| [&enriched[..kept], &more.concat()[..]].concat();
+        let private = record(0x80, b"private");
+        let definition = record(op::CHANNEL, &whole.summary[0].1);
+        for (what, changed) in [
+            ("text after the end", with(enriched.len(), &[b"a note"])),
+            ("a byte after the end", with(enriched.len(), &[&[0]])),
+            ("another log after the end", with(enriched.len(), &[&log])),
+            (
+                "text after the data",
+                with(end, &[b"a note that is longer than a frame"]),
+            ),
+            (
+                "text after DataEnd",
+                with(data_end, &[b"a note that is longer than a frame"]),
+            ),
+            (
+                "a definition, then text",
+                with(data_end, &[&definition, b"a note that is long"]),
+            ),
+            ("a private record", with(data_end, &[&private])),
+            (
+                "a private record, cut short",
+                with(data_end, &[&private[..12]]),
+            ),
+            ("zeros and a message", with(data_end, &[&[0; 9], &message])),
+            (
+                "a longer DataEnd",
+                with(end, &[&record(op::DATA_END, &[0; 40])]),
+            ),
+        ] {
+            println!("{what}");
+            is_refused(changed);
+        }
+        for opcode in [op::STATISTICS, op::CHANNEL, op::METADATA_INDEX] {
+            let mut parts = Parts::of(&enriched);
+            let summary = parts.summary.iter_mut();
+            let mut bodies = summary.filter(|(kind, _)| *kind == opcode);
+            bodies.next().expect("one").1.extend(b"appended");
+            is_refused(parts.join());
+        }
+        let mut parts = Parts::of(&enriched);
+        let mut index = parts
+            .summary
+            .iter()
+            .filter(|(kind, _)| *kind == op::METADATA_INDEX);
+        let another = index.next().expect("one").clone();
+        parts.summary.push(another);
+        is_refused(parts.join());
+    }
 }
