@@ -52,7 +52,8 @@ pub fn enrich<'a>(
     output: impl Into<Output<'a>>,
     options: &Options,
 ) -> Result<Report, Error> {
-    let (input, output) = (input.into(), output.into().open_special()?);
+    let input = input.into();
+    let output = output.into().open_special(input.path())?;
     let run = Run::new(&options.watch, output.name(input.name()), output.left());
     run.run_watched(|| match input {
         Input::Stream { name, stream } => {

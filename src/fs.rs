@@ -281,6 +281,23 @@ pub fn folder_of(file: &Path) -> &Path {
     }
 }
 
+/// Whether a path leads to an open file.
+#[cfg(unix)]
+pub fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    use std::os::unix::fs::MetadataExt;
+    let (one, other) = (file.metadata()?, std::fs::metadata(path)?);
+    Ok((one.dev(), one.ino()) == (other.dev(), other.ino()))
+}
+
+/// Files cannot be told apart here.
+///
+/// # Errors
+/// Always.
+#[cfg(not(unix))]
+pub fn is_at(_file: &File, _path: &Path) -> io::Result<bool> {
+    Err(ErrorKind::Unsupported.into())
+}
+
 /// Makes a file's name as durable as its content.
 #[cfg(unix)]
 pub fn sync_folder(file: &Path) -> io::Result<()> {

@@ -49,7 +49,8 @@ pub fn restore<'a>(
     output: impl Into<Output<'a>>,
     watch: &Watch,
 ) -> Result<Restored, Error> {
-    let (log, output) = (log.into(), output.into().open_special()?);
+    let log = log.into();
+    let output = output.into().open_special(log.path())?;
     let run = Run::new(watch, output.name(log.name()), output.left());
     run.run_watched(|| match output {
         Output::InPlace => in_place(log, &run),

@@ -5,7 +5,7 @@ mod telemetry;
 use flightcam::{
     Error,
     camera::CameraError,
-    error::{JournalError, JournalFault},
+    error::{JournalError, JournalFault, SpecialFile},
     log::{ForeignFormat, ReadError},
     run::RunError,
     writer::WriteError,
@@ -113,6 +113,11 @@ fn of_writing(error: &WriteError) -> Option<&'static str> {
             "choose another output with -o, or replace it with --force"
         }
         WriteError::OutputIsFolder { .. } => "name the output's file with -o",
+        WriteError::OutputIsJournal { .. } => "choose another output with -o",
+        WriteError::OutputIsSpecial {
+            kind: SpecialFile::OpenFile,
+            ..
+        } => "write to standard output with -o -",
         WriteError::OutputIsSpecial { .. }
         | WriteError::OutputIsInput { .. }
         | WriteError::CannotCreate { .. } => "choose another output with -o",

@@ -46,12 +46,36 @@ pub fn output(name: &Path, overwrite: bool) -> Result<Output<'static>, Error> {
             "refusing to write binary MCAP to a terminal; redirect standard output, or name a file with -o",
         );
     }
+    if is_fed_back() {
+        wrong_arguments(
+            ErrorKind::ArgumentConflict,
+            "standard output is the file that standard input comes from",
+        );
+    }
     // Without a buffer, so that the system can copy from a file to it by itself.
     let stdout = "standard output";
     Ok(Output::handle(
         stdout,
         open(stdout, duplicate(&io::stdout()))?,
     ))
+}
+
+/// Whether standard input and standard output are the same file.
+fn is_fed_back() -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let file = |stream: io::Result<File>| {
+            let metadata = stream.and_then(|stream| stream.metadata()).ok();
+            metadata.filter(|metadata| metadata.is_file())
+        };
+        #[expect(clippy::disallowed_methods, reason = "nothing is printed")]
+        let stdout = file(duplicate(&io::stdout()));
+        let pair = file(duplicate(&io::stdin())).zip(stdout);
+        pair.is_some_and(|(one, other)| (one.dev(), one.ino()) == (other.dev(), other.ino()))
+    }
+    #[cfg(not(unix))]
+    false
 }
 
 fn open(name: &str, stream: io::Result<File>) -> Result<File, ReadError> {

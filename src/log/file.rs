@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::error::{Damage, ReadError};
-use crate::fs::{Access, LockedFile, OpenError, ReadAt};
+use crate::fs::{Access, LockedFile, OpenError, ReadAt, is_at};
 
 /// A log's bytes: those of a file, or of anything else that can be read by position. Several readers can share them.
 ///
@@ -183,12 +183,16 @@ impl LogFile {
         matches!(error, ReadError::BecameShorter { .. }).then_some(error)
     }
 
-    /// Whether no program has written to the file since it was opened.
+    /// Whether no program has written to the file since it was opened, or put another one in its place.
     pub(crate) fn is_untouched(&self) -> io::Result<bool> {
         let (Some(before), Some(file)) = (self.opened, self.as_file()) else {
             return Ok(true);
         };
-        Ok(State::of(file)?.is_still(&before))
+        let is_there = match is_at(file, &self.path) {
+            Err(error) => error.kind() == io::ErrorKind::Unsupported,
+            Ok(is_there) => is_there,
+        };
+        Ok(is_there && State::of(file)?.is_still(&before))
     }
 
     /// Whether another log has the same bytes from `start` on.

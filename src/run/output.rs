@@ -7,7 +7,10 @@ use std::{
 };
 
 use super::Left;
-use crate::writer::{SpecialFile, WriteError};
+use crate::{
+    fs::is_at,
+    writer::{SpecialFile, WriteError},
+};
 
 /// Where a result goes. Any path is one: that of a new file.
 #[non_exhaustive]
@@ -65,12 +68,15 @@ impl<'a> Output<'a> {
     }
 
     /// Opens an output that has a path and is not a regular file: a pipe, or a device that takes a stream of bytes. It is
-    /// written to, never replaced.
+    /// written to, never replaced. `input` is the path of the log, if it is in a file.
     ///
     /// # Errors
-    /// It cannot be opened, or it is something that no log can be written to.
-    pub(crate) fn open_special(self) -> Result<Self, WriteError> {
+    /// It cannot be opened, or it is something that no log can be written to, such as the input itself.
+    pub(crate) fn open_special(self, input: Option<&Path>) -> Result<Self, WriteError> {
         match self {
+            Self::Handle { name, handle } if is_input(&handle, input) => {
+                Err(WriteError::OutputIsInput { path: name })
+            }
             Self::File { path, .. } if special::is_special(&path)? => {
                 let handle = OpenOptions::new().write(true).open(&path);
                 let handle = handle.map_err(|source| WriteError::output(&path, source))?;
@@ -103,6 +109,12 @@ impl<P: AsRef<Path>> From<P> for Output<'_> {
     }
 }
 
+/// Whether a handle is that of the input's file.
+fn is_input(handle: &File, input: Option<&Path>) -> bool {
+    let is_file = handle.metadata().is_ok_and(|metadata| metadata.is_file());
+    is_file && input.is_some_and(|input| is_at(handle, input).unwrap_or(false))
+}
+
 #[cfg(unix)]
 mod special {
     use std::{fs, os::unix::fs::FileTypeExt, path::Path};
@@ -130,7 +142,11 @@ mod special {
         if kind.is_socket() {
             return refuse(SpecialFile::Socket);
         }
-        Ok(kind.is_fifo() || kind.is_char_device() || (kind.is_file() && is_link_of_system(path)))
+        // Opened anew, it would be written from its start, whatever the other handle is for.
+        if kind.is_file() && is_link_of_system(path) {
+            return refuse(SpecialFile::OpenFile);
+        }
+        Ok(kind.is_fifo() || kind.is_char_device())
     }
 
     /// Whether a path is a link that belongs to the system, such as `/dev/stdout`: its target is an open file.

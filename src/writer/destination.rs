@@ -6,7 +6,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{error::WriteError, journal::journal_of};
+use super::{
+    error::WriteError,
+    journal::{is_journal, journal_of},
+};
 use crate::fs::{NewFile, folder_of, sync_folder};
 
 /// A file that is to be written.
@@ -44,9 +47,12 @@ impl Destination {
         if fs::symlink_metadata(path).is_ok() && !overwrite {
             return Err(WriteError::OutputExists { path: path.into() });
         }
+        if is_journal(path) {
+            return Err(WriteError::OutputIsJournal { path: path.into() });
+        }
         // The next run that opens the result would take it for the log that was being changed.
         let journal = journal_of(path);
-        if journal.exists() {
+        if fs::symlink_metadata(&journal).is_ok() {
             let path = path.into();
             return Err(WriteError::JournalInTheWay { path, journal });
         }

@@ -76,6 +76,12 @@ pub enum WriteError {
     #[error("{}: exists already", text::path(path))]
     OutputExists { path: PathBuf },
 
+    #[error(
+        "{}: has the name of a journal, which belongs to a log that is being changed",
+        text::path(path)
+    )]
+    OutputIsJournal { path: PathBuf },
+
     #[error("{}: is a folder", text::path(path))]
     OutputIsFolder { path: PathBuf },
 
@@ -127,6 +133,8 @@ pub enum SpecialFile {
     Socket,
     #[error("a terminal")]
     Terminal,
+    #[error("another name of an open file")]
+    OpenFile,
 }
 
 impl WriteError {

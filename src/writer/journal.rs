@@ -459,6 +459,13 @@ fn beside(log: &Path) -> Result<PathBuf, JournalError> {
     Ok(journal_of(&file))
 }
 
+/// Whether a file has the name of a journal.
+pub fn is_journal(path: &Path) -> bool {
+    path.as_os_str()
+        .as_encoded_bytes()
+        .ends_with(SUFFIX.as_bytes())
+}
+
 /// The path of the journal of a log whose path is not a link.
 pub fn journal_of(log: &Path) -> PathBuf {
     let mut name = OsString::from(log);

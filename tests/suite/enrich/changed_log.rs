@@ -69,6 +69,13 @@ fn touch(log: &Path) {
     file.set_modified(later).expect("another time");
 }
 
+/// Puts another file in the log's place.
+fn replace(log: &Path) {
+    let other = log.with_file_name("other");
+    fs::write(&other, ADDED).expect("written");
+    fs::rename(other, log).expect("renamed");
+}
+
 /// A watcher that makes the change as soon as there is something to do, which is known when the log has been opened.
 fn at_first(
     log: PathBuf,
@@ -258,11 +265,12 @@ fn inspect_says_that_a_log_grows() {
 
 #[test]
 fn a_log_that_was_written_to_since_it_was_opened_is_not_changed_in_place() {
-    let changes: [(&str, Change); 4] = [
+    let changes: [(&str, Change); 5] = [
         ("grew", grow),
         ("shorter", shorten),
         ("rewritten", rewrite),
         ("touched", touch),
+        ("replaced", replace),
     ];
     let steps = [
         JournalStep::JournalWritten,

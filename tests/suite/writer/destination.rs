@@ -8,7 +8,7 @@ use std::{
         fs::{FileTypeExt, symlink},
         net::UnixListener,
     },
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::Command,
     thread,
 };
@@ -136,24 +136,74 @@ fn a_block_device_and_a_socket_are_refused() {
     }
 }
 
+/// Runs a shell script in a folder; `$0` is the program. Returns the exit code and standard error.
+fn shell(folder: &Folder, script: &str) -> (Option<i32>, String) {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", script]).arg(cargo_bin!("flightcam"));
+    let output = shell
+        .current_dir(folder.path(""))
+        .output()
+        .expect("a shell");
+    (
+        output.status.code(),
+        String::from_utf8_lossy(&output.stderr).into_owned(),
+    )
+}
+
 #[test]
-fn the_systems_name_of_an_open_file_is_not_replaced() {
-    let (_, result) = log_and_result();
+fn the_systems_name_of_an_open_file_is_refused() {
+    if !Path::new("/proc/self/fd").exists() {
+        eprintln!("skipped: there is no /proc");
+        return;
+    }
     let folder = folder();
-    for force in ["", " --force"] {
-        let script = format!("\"$0\" {ENRICH} /proc/self/fd/1{force} > redirected.mcap");
-        let mut shell = Command::new("sh");
-        shell.args(["-c", &script]).arg(cargo_bin!("flightcam"));
-        let status = shell
-            .current_dir(folder.path(""))
-            .status()
-            .expect("a shell");
-        if !std::path::Path::new("/proc/self/fd").exists() {
-            eprintln!("skipped: there is no /proc");
-            return;
+    folder.add("notes.txt", "of the flight");
+    for redirection in [">> notes.txt", "< notes.txt", "1<> notes.txt"] {
+        for name in ["/proc/self/fd/1", "/proc/self/fd/0"] {
+            if redirection.starts_with('<') == name.ends_with('0') {
+                for force in ["", " --force"] {
+                    let (code, err) = shell(
+                        &folder,
+                        &format!("\"$0\" {ENRICH} {name}{force} {redirection}"),
+                    );
+                    assert_eq!(code, Some(1), "{err}");
+                    let message =
+                        "is another name of an open file … write to standard output with -o -";
+                    assert_reads(&err, &format!("error: {name}: {message}…"));
+                    assert_eq!(folder.read("notes.txt"), b"of the flight");
+                }
+            }
         }
-        assert!(status.success());
-        assert!(folder.read("redirected.mcap") == result);
+    }
+}
+
+#[test]
+fn a_log_is_not_written_into_itself() {
+    let folder = folder();
+    let before = folder.contents();
+    for script in [
+        format!("\"$0\" {ENRICH} - >> {LOG}"),
+        format!("\"$0\" {ENRICH} - 1<> {LOG}"),
+        "\"$0\" restore result.mcap --quiet -o - 1<> result.mcap".to_owned(),
+        format!("\"$0\" enrich - --depression 30 -o - < {LOG} >> {LOG}"),
+    ] {
+        let (code, err) = shell(&folder, &script);
+        assert_eq!(code, Some(2), "{script}: {err}");
+        assert_eq!(folder.contents(), before, "{script}");
+    }
+}
+
+#[test]
+fn a_journal_is_no_output() {
+    let folder = folder();
+    let journal = "other.mcap.flightcam-journal";
+    let message = format!("{journal}: has the name of a journal … choose another output");
+    for force in ["", " --force"] {
+        folder.refuses(&format!("{ENRICH} {journal}{force}"), 1, &message);
+        symlink("nowhere", folder.path(journal)).expect("a link");
+        let (_, err) = folder.run(&format!("{ENRICH} other.mcap{force}"), 1);
+        assert_reads(&err, &format!("error: other.mcap: {journal} beside it…"));
+        fs::remove_file(folder.path(journal)).expect("removed");
     }
 }
 
