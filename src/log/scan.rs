@@ -127,6 +127,16 @@ impl<'a> Walker<'a> {
         Self { ahead, ..self }
     }
 
+    /// Goes on with the record at `position`.
+    pub fn go_to(&mut self, position: u64) {
+        self.position = position;
+    }
+
+    /// Where the next record starts.
+    pub fn position(&self) -> u64 {
+        self.position
+    }
+
     pub fn step(&mut self) -> Result<Next, ReadError> {
         let offset = self.position;
         if offset >= self.end {
@@ -395,6 +405,11 @@ impl Collector {
             index_offsets: BTreeMap::new(),
             index_length: 0,
         })
+    }
+
+    /// Whether message indexes may follow that belong to the latest chunk.
+    pub fn has_open_chunk(&self) -> bool {
+        self.open_chunk.is_some()
     }
 
     /// Closes the latest chunk: no more message indexes follow it. Returns whether all of its messages are indexed;

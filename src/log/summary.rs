@@ -25,6 +25,10 @@ pub const MESSAGE_INDEX_ENTRY: u64 = 8 + 8;
 /// How much of a summary is read at once: all of most.
 const WINDOW: u64 = 1024 * 1024;
 
+/// How much is read at once of what surrounds the content of a chunk: usually its message indexes and the next chunk's
+/// header.
+const CHUNK_WINDOW: u64 = 4096;
+
 /// The end of a log that was closed properly.
 pub struct Ending {
     /// Where the data section ends: at the DataEnd record, or at the footer if there is none.
@@ -249,7 +253,7 @@ impl Summary {
     /// it without a contradiction; else `None`, and the log has to be read from start to end.
     ///
     /// A chunk whose index is complete is not opened: how many messages it has on each channel follows from the lengths
-    /// of its message indexes.
+    /// of its message indexes, which have to be where the index says, with nothing in between.
     pub fn account_for(
         &self,
         file: &LogFile,
@@ -263,15 +267,17 @@ impl Summary {
             ..Contents::default()
         });
         let mut position = mcap::MAGIC.len() as u64;
-        for (segment, end) in self.chunk_indexes.iter().filter_map(indexed_chunk) {
-            if segment.offset < position
-                || end > data_end
-                || !collect(&mut collector, file, position, segment.offset)?
+        let mut records = Walker::new(file, position, data_end).reading_ahead(CHUNK_WINDOW);
+        for chunk in self.chunk_indexes.iter().filter_map(IndexedChunk::of) {
+            if chunk.segment.offset < position
+                || chunk.end > data_end
+                || !collect(&mut collector, file, position, chunk.segment.offset)?
+                || !chunk.is_there(&mut records)?
             {
                 return Ok(None);
             }
-            collector.contents.segments.push(segment);
-            position = end;
+            collector.contents.segments.push(chunk.segment);
+            position = chunk.end;
         }
         if !collect(&mut collector, file, position, data_end)? {
             return Ok(None);
@@ -291,8 +297,8 @@ impl Summary {
 
     /// Whether this repeats the definitions in chunks that a reader who trusts it would not open.
     pub fn repeats(&self, defined: &[DefinedInChunk]) -> bool {
-        let chunks = self.chunk_indexes.iter().filter_map(indexed_chunk);
-        let chunks: BTreeSet<u64> = chunks.map(|(segment, _)| segment.offset).collect();
+        let chunks = self.chunk_indexes.iter().filter_map(IndexedChunk::of);
+        let chunks: BTreeSet<u64> = chunks.map(|chunk| chunk.segment.offset).collect();
         let Definitions { schemas, channels } = &self.definitions;
         let is_repeated = |defined: &DefinedInChunk| match defined.opcode {
             op::SCHEMA => schemas.contains_key(&defined.id),
@@ -367,7 +373,8 @@ fn agree(statistics: &Statistics, contents: &Contents) -> bool {
         && (contents.schema_ids().iter()).all(|id| schemas.contains_key(id))
 }
 
-/// Collects the records from `start` to `end`. Returns whether all of them are whole.
+/// Collects the records from `start` to `end`, between chunks that are not opened. Returns whether all of them are whole,
+/// and none is a message index that the index of such a chunk omits.
 fn collect(
     collector: &mut Collector,
     file: &LogFile,
@@ -377,8 +384,16 @@ fn collect(
     let mut walker = Walker::new(file, start, end);
     loop {
         match walker.step()? {
+            Next::Record(frame)
+                if frame.opcode == op::MESSAGE_INDEX && !collector.has_open_chunk() =>
+            {
+                return Ok(false);
+            }
             Next::Record(frame) => collector.record(&mut walker, &frame)?,
-            Next::End => return Ok(true),
+            Next::End => {
+                collector.close_chunk();
+                return Ok(true);
+            }
             Next::Torn { .. } => return Ok(false),
         }
     }
@@ -405,49 +420,92 @@ fn take_over<'a, T: PartialEq + Clone + 'a>(
     said.is_empty()
 }
 
-/// A chunk as its index describes it, and where its message indexes end; `None` if the number of messages on each
-/// channel does not follow from the index.
-fn indexed_chunk(index: &Raw<ChunkIndex>) -> Option<(Segment, u64)> {
-    let record = &index.record;
-    let chunk_end = record.chunk_start_offset.checked_add(record.chunk_length)?;
-    let end = chunk_end.checked_add(record.message_index_length)?;
-    let mut offsets: Vec<(u64, u16)> = record
-        .message_index_offsets
-        .iter()
-        .map(|(&id, &offset)| (offset, id))
-        .collect();
-    offsets.sort_unstable();
-    if offsets.first()?.0 != chunk_end {
-        return None;
-    }
-    let ends = offsets
-        .iter()
-        .skip(1)
-        .map(|&(offset, _)| offset)
-        .chain([end]);
-    let mut message_counts = BTreeMap::new();
-    for (&(offset, id), end) in offsets.iter().zip(ends) {
-        let entries = end.checked_sub(offset)?.checked_sub(MESSAGE_INDEX_PREFIX)?;
-        if entries % MESSAGE_INDEX_ENTRY != 0 {
+/// A chunk as its index describes it.
+struct IndexedChunk<'a> {
+    index: &'a ChunkIndex,
+    segment: Segment,
+    /// The offsets of its message indexes, with their channels, in the order of the file.
+    message_indexes: Vec<(u64, u16)>,
+    /// Where the last of them ends.
+    end: u64,
+}
+
+impl<'a> IndexedChunk<'a> {
+    /// Reads a chunk index; `None` if the number of messages on each channel does not follow from it.
+    fn of(index: &'a Raw<ChunkIndex>) -> Option<Self> {
+        let record = &index.record;
+        let chunk_end = record.chunk_start_offset.checked_add(record.chunk_length)?;
+        let end = chunk_end.checked_add(record.message_index_length)?;
+        let mut message_indexes: Vec<(u64, u16)> = record
+            .message_index_offsets
+            .iter()
+            .map(|(&id, &offset)| (offset, id))
+            .collect();
+        message_indexes.sort_unstable();
+        if message_indexes.first()?.0 != chunk_end {
             return None;
         }
-        if entries > 0 {
-            message_counts.insert(id, entries / MESSAGE_INDEX_ENTRY);
+        let ends = message_indexes
+            .iter()
+            .skip(1)
+            .map(|&(offset, _)| offset)
+            .chain([end]);
+        let mut message_counts = BTreeMap::new();
+        for (&(offset, id), end) in message_indexes.iter().zip(ends) {
+            let entries = end.checked_sub(offset)?.checked_sub(MESSAGE_INDEX_PREFIX)?;
+            if entries % MESSAGE_INDEX_ENTRY != 0 {
+                return None;
+            }
+            if entries > 0 {
+                message_counts.insert(id, entries / MESSAGE_INDEX_ENTRY);
+            }
         }
-    }
-    let times = (!message_counts.is_empty())
-        .then_some((record.message_start_time, record.message_end_time));
-    Some((
-        Segment {
-            offset: record.chunk_start_offset,
-            length: record.chunk_length,
-            times,
-            message_counts,
-            kind: SegmentKind::Chunk {
-                index: index.clone(),
-                is_indexed: true,
+        let times = (!message_counts.is_empty())
+            .then_some((record.message_start_time, record.message_end_time));
+        Some(Self {
+            index: record,
+            segment: Segment {
+                offset: record.chunk_start_offset,
+                length: record.chunk_length,
+                times,
+                message_counts,
+                kind: SegmentKind::Chunk {
+                    index: index.clone(),
+                    is_indexed: true,
+                },
             },
-        },
-        end,
-    ))
+            message_indexes,
+            end,
+        })
+    }
+
+    /// Whether the file has it, with the same times, and directly after it these message indexes and nothing else.
+    fn is_there(&self, records: &mut Walker) -> Result<bool, ReadError> {
+        let segment = &self.segment;
+        records.go_to(segment.offset);
+        let Next::Record(chunk) = records.step()? else {
+            return Ok(false);
+        };
+        let (start, end) = (self.index.message_start_time, self.index.message_end_time);
+        let times = [start.to_le_bytes(), end.to_le_bytes()].concat();
+        if chunk.opcode != op::CHUNK
+            || chunk.end() - chunk.offset != segment.length
+            || records.body(&chunk, times.len() as u64)? != times
+        {
+            return Ok(false);
+        }
+        for &(offset, id) in &self.message_indexes {
+            let Next::Record(frame) = records.step()? else {
+                return Ok(false);
+            };
+            if frame.opcode != op::MESSAGE_INDEX || frame.offset != offset {
+                return Ok(false);
+            }
+            // What else it says is checked where it is used.
+            if records.body(&frame, size_of::<u16>() as u64)? != id.to_le_bytes() {
+                return Ok(false);
+            }
+        }
+        Ok(records.position() == self.end)
+    }
 }

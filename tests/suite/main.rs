@@ -67,6 +67,8 @@ mod log {
     // Long records and lengths that lie, where there is little memory.
     #[cfg(unix)]
     mod little_memory;
+    // Chunk indexes that lie.
+    mod lying_index;
     // Log times from indexes.
     mod message_times;
     // Logs from a pipe.

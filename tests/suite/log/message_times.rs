@@ -7,7 +7,7 @@ use std::{
 };
 
 use flightcam::log::{
-    Log, ReadError,
+    Damage, Log, ReadError,
     record::{parse, push_record, serialize},
 };
 use mcap::records::{ChunkIndex, MessageIndex, op};
@@ -66,7 +66,8 @@ fn chunks_with_indexes_are_not_opened() {
     let expected = counted(&parts.join(), [1, 2]);
     for (opcode, body) in &mut parts.data {
         if *opcode == op::CHUNK {
-            body.fill(0xc5);
+            // All but its times, which its index has to have too.
+            body[8 + 8..].fill(0xc5);
         }
     }
     parts.data_section_crc = 0;
@@ -134,22 +135,30 @@ fn a_record_that_is_not_a_message_index_is_not_believed() {
     assert_eq!(times_of(&parts.join(), &[1, 2]).expect("chunks"), expected);
 }
 
-/// The record's own length is hostile; the summary says where its neighbours are.
+/// The record's own length is hostile, so where the records after it are is not known, whatever the summary says.
 #[test]
-fn a_message_index_longer_than_its_messages_is_not_read_to_its_end() {
+fn a_message_index_longer_than_its_messages_is_damage() {
     let log = Shape::default().write();
-    let expected = counted(&log, [1, 2]);
     let mut hostile = log.clone();
+    let mut first = u64::MAX;
     for (opcode, body) in Parts::of(&log).summary {
         if opcode == op::CHUNK_INDEX {
             let index: ChunkIndex = parse(&body).expect("a chunk index");
-            for offset in index.message_index_offsets.values() {
-                let length = *offset as usize + 1;
+            for &offset in index.message_index_offsets.values() {
+                let length = offset as usize + 1;
                 hostile[length..length + 8].fill(0xff);
+                first = first.min(offset);
             }
         }
     }
-    assert_eq!(times_of(&hostile, &[1, 2]).expect("indexes"), expected);
+    let error = times_of(&hostile, &[1, 2]).expect_err("it is damaged");
+    assert!(
+        matches!(
+            error,
+            ReadError::Damaged { offset, damage: Damage::NotARecord, .. } if offset == first
+        ),
+        "{error}"
+    );
 }
 
 /// A chunk's index names one place for each channel, but its messages may be indexed in two.
@@ -182,7 +191,7 @@ fn an_index_in_two_parts_is_read_from_the_chunk() {
 #[test]
 fn a_chunk_that_is_needed_and_damaged_is_an_error() {
     let shape = Shape::default();
-    let mut parts = with_indexes(&shape, |body, _| body[0] = 9);
+    let mut parts = with_indexes(&shape, |body, _| body[2..6].fill(0xff));
     for (opcode, body) in &mut parts.data {
         if *opcode == op::CHUNK {
             let middle = body.len() / 2;
