@@ -334,6 +334,27 @@ impl LogFile {
         Ok(buffer)
     }
 
+    /// The first place from `start` on, but before `end`, where there is something other than zeros; `end` if there is
+    /// none.
+    ///
+    /// # Errors
+    /// Reading fails.
+    pub(crate) fn end_of_zeros(&self, start: u64, end: u64) -> Result<u64, ReadError> {
+        let mut length = 64 * 1024;
+        let mut piece = Vec::new();
+        let mut position = start;
+        while position < end {
+            self.read_into(&mut piece, position, length.min(end - position))?;
+            let zeros = leading_zeros(&piece);
+            position += zeros as u64;
+            if zeros < piece.len() {
+                return Ok(position);
+            }
+            length = (2 * length).min(1024 * 1024);
+        }
+        Ok(end)
+    }
+
     /// The error for a place where the log violates the format.
     pub fn damaged(&self, offset: u64, damage: impl Into<Damage>) -> ReadError {
         ReadError::damaged(&self.path, offset, damage)
@@ -347,6 +368,17 @@ impl Bytes {
             Self::Other(bytes) => &**bytes,
         }
     }
+}
+
+/// How many zeros there are before anything else.
+pub(super) fn leading_zeros(bytes: &[u8]) -> usize {
+    // Whole blocks are compared faster than bytes.
+    static BLOCK: [u8; 4096] = [0; 4096];
+    let blocks = bytes.chunks(BLOCK.len());
+    let zeros = blocks.take_while(|block| **block == BLOCK[..block.len()]);
+    let start = zeros.map(<[u8]>::len).sum();
+    let other = bytes[start..].iter().position(|&byte| byte != 0);
+    other.map_or(bytes.len(), |place| start + place)
 }
 
 fn cannot_open(path: &Path, source: io::Error) -> ReadError {

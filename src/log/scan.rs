@@ -9,7 +9,7 @@ use super::{
     chunk::ChunkDecoder,
     contents::{Contents, Definitions, Room, Segment, SegmentKind},
     error::{Damage, ReadError, RecordKind},
-    file::LogFile,
+    file::{LogFile, leading_zeros},
     record::{
         AttachmentStart, FRAME_LENGTH, Fields, MAX_RECORD, MESSAGE_HEADER_LENGTH,
         MessageIndexStart, MetadataStart, Raw, RawMessage, Unreadable, parse, split_frame,
@@ -107,6 +107,8 @@ pub struct Walker<'a> {
     window_start: u64,
     /// How much is read at once.
     ahead: u64,
+    /// Whether zeros are records, as they are to most readers: of opcode 0, which nobody knows, and of no length.
+    skips_zeros: bool,
 }
 
 impl<'a> Walker<'a> {
@@ -117,6 +119,7 @@ impl<'a> Walker<'a> {
             position: start,
             end: end.min(file.length()),
             ahead: WINDOW,
+            skips_zeros: false,
             window: Vec::new(),
             window_start: 0,
         }
@@ -125,6 +128,11 @@ impl<'a> Walker<'a> {
     /// The same, with that much read at once.
     pub fn reading_ahead(self, ahead: u64) -> Self {
         Self { ahead, ..self }
+    }
+
+    /// From now on, takes records of opcode 0 for records, and skips those that consist of zeros.
+    pub fn skip_zeros(&mut self) {
+        self.skips_zeros = true;
     }
 
     /// Goes on with the record at `position`.
@@ -138,6 +146,9 @@ impl<'a> Walker<'a> {
     }
 
     pub fn step(&mut self) -> Result<Next, ReadError> {
+        if self.skips_zeros {
+            self.pass_zeros()?;
+        }
         let offset = self.position;
         if offset >= self.end {
             return Ok(Next::End);
@@ -151,7 +162,7 @@ impl<'a> Walker<'a> {
         };
         let room = self.end - offset - FRAME_LENGTH as u64;
         // A file system that has lost its last blocks leaves zeros.
-        if opcode == 0 || length > room {
+        if (opcode == 0 && !self.skips_zeros) || length > room {
             return torn;
         }
         let frame = Frame {
@@ -161,6 +172,23 @@ impl<'a> Walker<'a> {
         };
         self.position = frame.end();
         Ok(Next::Record(frame))
+    }
+
+    /// Goes on after all records that consist of zeros. There may be gigabytes of them.
+    fn pass_zeros(&mut self) -> Result<(), ReadError> {
+        let (start, frame) = (self.position, FRAME_LENGTH as u64);
+        if self.end.saturating_sub(start) < frame {
+            return Ok(());
+        }
+        self.bytes(start, frame)?;
+        let window = &self.window[(start - self.window_start) as usize..];
+        let zeros = leading_zeros(window);
+        let mut end = start + zeros as u64;
+        if zeros == window.len() {
+            end = self.file.end_of_zeros(end, self.end)?;
+        }
+        self.position += (end.min(self.end) - start) / frame * frame;
+        Ok(())
     }
 
     fn bytes(&mut self, offset: u64, length: u64) -> Result<&[u8], ReadError> {

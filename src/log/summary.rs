@@ -136,6 +136,7 @@ impl Section<'_> {
 
     /// Only checks that all records belong there.
     fn skip(&mut self) -> Result<(), ReadError> {
+        self.records.skip_zeros();
         while let Next::Record(_) = self.step()? {}
         Ok(())
     }
@@ -148,8 +149,11 @@ impl Section<'_> {
             let frame = match self.step()? {
                 Next::Record(frame) => frame,
                 Next::End => break,
-                // What comes after it still has to belong there, but where that is is not known.
-                Next::Torn { .. } => return Ok(None),
+                // What comes after it still has to belong there, but where that is is known only after zeros.
+                Next::Torn { .. } => {
+                    self.skip()?;
+                    return Ok(None);
+                }
             };
             if frame.opcode == op::SUMMARY_OFFSET {
                 continue;
@@ -180,7 +184,7 @@ fn belongs_after_data(opcode: u8) -> bool {
     match opcode {
         op::SCHEMA | op::CHANNEL | op::STATISTICS | op::SUMMARY_OFFSET => true,
         op::CHUNK_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX => true,
-        opcode => opcode > op::DATA_END,
+        opcode => opcode == 0 || opcode > op::DATA_END,
     }
 }
 
@@ -190,6 +194,7 @@ fn belongs_after_data(opcode: u8) -> bool {
 /// The file cannot be read.
 pub fn goes_on(file: &LogFile, start: u64) -> Result<bool, ReadError> {
     let mut records = Walker::new(file, start, file.length());
+    records.skip_zeros();
     while let Next::Record(frame) = records.step()? {
         if frame.opcode != op::FOOTER && !belongs_after_data(frame.opcode) {
             return Ok(true);

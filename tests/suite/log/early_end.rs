@@ -144,6 +144,65 @@ fn data_that_is_said_to_be_the_summary_is_reported() {
     }
 }
 
+/// Most readers take zeros for records that they skip.
+#[test]
+fn data_after_zeros_after_the_end_is_reported() {
+    for chunks in [true, false] {
+        let whole = Shape::with(|options| options.use_chunks(chunks)).write();
+        let mut parts = Parts::of(&whole);
+        let start = match chunks {
+            true => op::CHUNK,
+            false => op::MESSAGE,
+        };
+        let first = (parts.data.iter()).position(|(opcode, _)| *opcode == start);
+        let data = parts.data.split_off(first.expect("data"));
+        parts.data.push((op::DATA_END, vec![0; 4]));
+        let mut unclosed = parts.join();
+        let place = places(&unclosed)[parts.data.len() - 1].0;
+        unclosed.truncate(place + 9 + 4);
+        for zeros in [9, 18, 90_000, 9_000_000] {
+            let mut log = unclosed.clone();
+            log.resize(log.len() + zeros, 0);
+            for (opcode, body) in &data {
+                push_record(&mut log, *opcode, body);
+            }
+            ends_early(&log, place, RecordKind::DataEnd);
+            // The same in a log that was closed, and whose footer calls that its summary.
+            let mut footer = [0; 20];
+            footer[..8].copy_from_slice(&(place as u64 + 9 + 4).to_le_bytes());
+            push_record(&mut log, op::FOOTER, &footer);
+            log.extend_from_slice(mcap::MAGIC);
+            ends_early(&log, place, RecordKind::DataEnd);
+        }
+        // After a record of opcode 0 that is not empty.
+        let mut log = unclosed.clone();
+        push_record(&mut log, 0, b"nothing");
+        push_record(&mut log, data[0].0, &data[0].1);
+        ends_early(&log, place, RecordKind::DataEnd);
+    }
+}
+
+#[test]
+fn nothing_but_zeros_after_the_end_hides_nothing() {
+    let whole = Shape::default().write();
+    let data_end = places(&whole)
+        .into_iter()
+        .find(|(_, opcode)| *opcode == op::DATA_END);
+    let (data_end, _) = data_end.expect("the end");
+    for zeros in [1, 8, 9, 10, 70_000, 3_000_000] {
+        for end in [
+            data_end + 9 + 4,
+            whole.len() - mcap::MAGIC.len(),
+            whole.len(),
+        ] {
+            let mut log = whole[..end].to_vec();
+            log.resize(end + zeros, 0);
+            let streamed = check(&log, &Request::default(), 100_000).expect("a readable log");
+            assert_eq!(streamed.original.breaks_off_at, None);
+        }
+    }
+}
+
 #[test]
 fn a_footer_in_a_summary_is_reported() {
     let mut parts = Parts::of(&Shape::default().write());
