@@ -30,7 +30,7 @@ use contents::Contents;
 use file::LogFile;
 use record::{Records, parse};
 use scan::{Bodies, Collector, Frame, Next, Walker};
-use summary::{DATA_END_LENGTH, Ending};
+use summary::{DATA_END_LENGTH, Ending, Rest};
 
 pub use crate::fs::Access;
 pub use error::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind};
@@ -55,7 +55,8 @@ pub struct Log {
     pub contents: Contents,
     /// Why all of the log had to be read to find out what it contains, if it had to be.
     pub scanned: Option<ScanReason>,
-    /// Where a log that was not closed breaks off. The bytes from here on, if any, could not be read.
+    /// Where a log that was not closed breaks off, or one that was closed ends before the file does. The bytes from here
+    /// on, if any, could not be read.
     pub breaks_off_at: Option<u64>,
 }
 
@@ -123,8 +124,8 @@ impl Log {
                 Next::Torn { offset } => break Stop::Torn { offset },
             }
         };
-        stop.check(&file, ending.as_ref())?;
-        let log = Self::read_to_end(file, header, ending, stop, collector)?;
+        let close = stop.close(&file, ending)?;
+        let log = Self::read_to_end(file, header, close, stop, collector)?;
         // Its summary, even if it agrees with what was found, was not enough to find it.
         let scanned = log.scanned.or(Some(ScanReason::IncompleteSummary));
         Ok(Self { scanned, ..log })
@@ -134,12 +135,13 @@ impl Log {
     fn read_to_end(
         file: LogFile,
         header: Header,
-        ending: Option<Ending>,
+        close: Close,
         stop: Stop,
         mut collector: Collector,
     ) -> Result<Self, ReadError> {
+        let ending = close.ending;
         let mut data_crc = ending.as_ref().and_then(|ending| ending.data_crc);
-        let mut breaks_off_at = None;
+        let mut breaks_off_at = close.surplus;
         let data_end = match stop {
             Stop::DataEnd { offset, crc, .. } => {
                 data_crc = crc;
@@ -279,23 +281,44 @@ impl Stop {
         })
     }
 
-    /// Checks that the log does not go on after the record that ends its data: that this is the one of its `ending`, or,
-    /// in a log that was not closed, that at most a summary follows.
-    fn check(&self, file: &LogFile, ending: Option<&Ending>) -> Result<(), ReadError> {
+    /// Checks that the data does not go on after the record that ends it: that this is the one of the file's `ending`,
+    /// or that at most a summary follows, perhaps with the closing magic and something that is not a part of the log.
+    fn close(&self, file: &LogFile, ending: Option<Ending>) -> Result<Close, ReadError> {
         let (offset, end, kind) = match *self {
             Self::DataEnd { offset, end, .. } => (offset, end, RecordKind::DataEnd),
             Self::Footer { offset, end } => (offset, end, RecordKind::Footer),
-            Self::End { .. } | Self::Torn { .. } => return Ok(()),
+            Self::End { .. } | Self::Torn { .. } => {
+                return Ok(Close {
+                    ending,
+                    surplus: None,
+                });
+            }
         };
-        let goes_on = match ending {
-            Some(ending) => ending.data_end != offset,
-            None => summary::goes_on(file, end)?,
-        };
-        match goes_on {
-            true => Err(file.damaged(offset, Damage::EarlyEnd(kind))),
-            false => Ok(()),
+        if (ending.as_ref()).is_some_and(|ending| ending.data_end == offset) {
+            return Ok(Close {
+                ending,
+                surplus: None,
+            });
         }
+        let surplus = match Rest::after(file, kind, end)? {
+            Rest::Summary if ending.is_none() => None,
+            // The file's ending is that of the other log.
+            Rest::Surplus { start, is_log } if is_log || ending.is_none() => Some(start),
+            _ => return Err(file.damaged(offset, Damage::EarlyEnd(kind))),
+        };
+        Ok(Close {
+            ending: None,
+            surplus,
+        })
     }
+}
+
+/// How a log ends after its data.
+struct Close {
+    /// The end of the file, if it is that of the log.
+    ending: Option<Ending>,
+    /// Where the log ends before the file does.
+    surplus: Option<u64>,
 }
 
 /// Checks the magic bytes and reads the header.

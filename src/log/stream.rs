@@ -122,17 +122,16 @@ pub fn pass_through(
     }
     let data_end = pipe.position();
     let (file, mut output) = pipe.hold_back_the_rest()?;
-    let ending = Ending::read(&file, data_end)
-        .and_then(|ending| stop.check(&file, ending.as_ref()).map(|()| ending));
-    let ending = match ending {
-        Ok(ending) => ending,
+    let close = Ending::read(&file, data_end).and_then(|ending| stop.close(&file, ending));
+    let close = match close {
+        Ok(close) => close,
         // Nothing can be appended, so the next program in the pipe gets the log as it is.
         Err(damage) => {
             pass_on_the_rest(&file, data_end, &mut output)?;
             return Err(damage);
         }
     };
-    let original = Log::read_to_end(file, header, ending, stop, collector)?;
+    let original = Log::read_to_end(file, header, close, stop, collector)?;
     Ok(Streamed {
         telemetry: excerpt.finish(name, &original)?,
         original,

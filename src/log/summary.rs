@@ -97,13 +97,18 @@ impl Ending {
             hasher.finalize() == footer.summary_crc
         };
         let mut section = Section {
+            file,
             records: Walker::new(file, summary_start, footer_offset).reading_ahead(WINDOW),
             data_end,
+            holds_log: false,
         };
         let summary = match is_intact && footer.summary_start != 0 {
             true => section.parse()?,
             false => section.skip().map(|()| None)?,
         };
+        if section.holds_log {
+            return Ok(None);
+        }
         Ok(Some(Self {
             data_end,
             data_crc: (crc != 0).then_some(crc),
@@ -114,17 +119,27 @@ impl Ending {
 
 /// The records of a summary section, which follow the DataEnd record at `data_end`.
 struct Section<'a> {
+    file: &'a LogFile,
     records: Walker<'a>,
     data_end: u64,
+    /// Whether it turned out that the log was closed in it and another follows, to which the file's end belongs.
+    holds_log: bool,
 }
 
 impl Section<'_> {
-    /// The next record; `None` at the end; an error where a record belongs before DataEnd.
+    /// The next record; an error where a record belongs before DataEnd. Another log is not looked into.
     fn step(&mut self) -> Result<Next, ReadError> {
         let next = self.records.step()?;
         if let Next::Record(frame) = next
             && !belongs_after_data(frame.opcode)
         {
+            if frame.opcode == op::FOOTER
+                && let Some(end) = end_of_magic(self.file, frame.end())?
+                && end_of_magic(self.file, end)?.is_some()
+            {
+                self.holds_log = true;
+                return Ok(Next::Torn { offset: end });
+            }
             let (offset, kind) = match frame.opcode {
                 op::FOOTER => (frame.offset, RecordKind::Footer),
                 _ => (self.data_end, RecordKind::DataEnd),
@@ -151,7 +166,9 @@ impl Section<'_> {
                 Next::End => break,
                 // What comes after it still has to belong there, but where that is is known only after zeros.
                 Next::Torn { .. } => {
-                    self.skip()?;
+                    if !self.holds_log {
+                        self.skip()?;
+                    }
                     return Ok(None);
                 }
             };
@@ -188,19 +205,55 @@ fn belongs_after_data(opcode: u8) -> bool {
     }
 }
 
-/// Whether a log that was not closed has records after its end, which is at `start`, that belong before it.
-///
-/// # Errors
-/// The file cannot be read.
-pub fn goes_on(file: &LogFile, start: u64) -> Result<bool, ReadError> {
-    let mut records = Walker::new(file, start, file.length());
-    records.skip_zeros();
-    while let Next::Record(frame) = records.step()? {
-        if frame.opcode != op::FOOTER && !belongs_after_data(frame.opcode) {
-            return Ok(true);
+/// What follows the record that ends the data of a log.
+pub enum Rest {
+    /// At most what belongs there, as far as it can be read, and zeros.
+    Summary,
+    /// A record that belongs before that one.
+    Data,
+    /// The closing magic, and then something else, which starts here. It may be another log.
+    Surplus { start: u64, is_log: bool },
+}
+
+impl Rest {
+    /// Finds out what follows the record of this kind that ends at `start`.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn after(file: &LogFile, kind: RecordKind, start: u64) -> Result<Self, ReadError> {
+        let mut records = Walker::new(file, start, file.length());
+        records.skip_zeros();
+        let mut after_footer = kind == RecordKind::Footer;
+        loop {
+            if after_footer && let Some(end) = end_of_magic(file, records.position())? {
+                let only_zeros = file.end_of_zeros(end, file.length())? == file.length();
+                return Ok(match only_zeros {
+                    true => Self::Summary,
+                    false => Self::Surplus {
+                        start: end,
+                        is_log: end_of_magic(file, end)?.is_some(),
+                    },
+                });
+            }
+            let Next::Record(frame) = records.step()? else {
+                return Ok(Self::Summary);
+            };
+            after_footer = frame.opcode == op::FOOTER;
+            if !after_footer && !belongs_after_data(frame.opcode) {
+                return Ok(Self::Data);
+            }
         }
     }
-    Ok(false)
+}
+
+/// Where the magic bytes at `start` end; `None` if there are none.
+fn end_of_magic(file: &LogFile, start: u64) -> Result<Option<u64>, ReadError> {
+    let length = mcap::MAGIC.len() as u64;
+    if file.length().saturating_sub(start) < length {
+        return Ok(None);
+    }
+    let is_there = file.read(start, length)? == mcap::MAGIC;
+    Ok(is_there.then_some(start + length))
 }
 
 /// The checksum of some of a file's bytes.

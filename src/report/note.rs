@@ -33,7 +33,7 @@ pub enum Note {
     CannotBeUndone,
     /// The log was never closed. All of its records were used, and the result is closed.
     NeverClosed,
-    /// The log breaks off in the middle of a record.
+    /// The log breaks off in the middle of a record, or it was closed and something else follows.
     BreaksOff {
         /// Where the last whole record ends.
         offset: u64,

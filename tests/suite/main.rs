@@ -73,6 +73,8 @@ mod log {
     mod message_times;
     // Logs from a pipe.
     mod stream;
+    // Bytes after the closing magic.
+    mod surplus;
 }
 
 mod messages {

@@ -17,7 +17,7 @@ use crate::support::{folder::*, forging::*, piping::*, shapes::any_shape, *};
 /// The offsets of the records outside chunks, with their opcodes. Stops where one breaks off.
 fn places(log: &[u8]) -> Vec<(usize, u8)> {
     let magic = mcap::MAGIC.len();
-    let records = flightcam::log::record::Records::new(&log[magic..]);
+    let records = flightcam::log::record::Records::new(log.get(magic..).unwrap_or_default());
     let whole = records.map_while(Result::ok);
     whole
         .map(|record| (magic + record.offset, record.opcode))
