@@ -11,7 +11,7 @@ use mcap::records::{
 
 use super::{
     error::Damage,
-    record::{MAX_RECORD, Raw, parse},
+    record::{MAX_RECORD, Raw, TEXT_ENTRY, parse},
 };
 
 /// An index of the log's records; its size does not depend on the message count.
@@ -84,6 +84,19 @@ impl Definitions {
         } else {
             let channel = Raw::<Channel>::parse(body).ok()?;
             insert(&mut self.channels, channel.record.id, channel)
+        })
+    }
+
+    /// About how many bytes of memory a definition takes: the body of its record and, which may be far more, the map
+    /// that a channel has in it.
+    pub(super) fn size(&self, opcode: u8, id: u16) -> usize {
+        if opcode == op::SCHEMA {
+            return self.schemas.get(&id).map_or(0, |schema| schema.body.len());
+        }
+        self.channels.get(&id).map_or(0, |channel| {
+            let entries = channel.record.metadata.iter();
+            let sizes = entries.map(|(key, value)| TEXT_ENTRY as usize + key.len() + value.len());
+            channel.body.len() + sizes.sum::<usize>()
         })
     }
 }

@@ -7,6 +7,7 @@ use std::io::Cursor;
 use binrw::{BinRead, BinWrite, binread};
 use mcap::records::AttachmentHeader;
 
+pub(super) use fields::TEXT_ENTRY;
 pub use fields::{Field, Fields, Unreadable};
 
 /// Bytes before a record's body: its opcode and its length.

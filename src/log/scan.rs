@@ -274,10 +274,10 @@ impl Collector {
             op::SCHEMA | op::CHANNEL => {
                 let body = bodies.whole(frame)?;
                 let added = self.contents.definitions.add(frame.opcode, body);
-                let length = body.len();
                 let new = added.ok_or_else(|| malformed(bodies, frame, RecordKind::Definition))?;
-                if new.is_some() {
-                    self.keep(bodies, frame, length)?;
+                if let Some(id) = new {
+                    let size = self.contents.definitions.size(frame.opcode, id);
+                    self.keep(bodies, frame, size)?;
                 }
             }
             op::MESSAGE => {
@@ -395,7 +395,7 @@ impl Collector {
                     let opcode = record.opcode;
                     let added = definitions.add(opcode, record.body);
                     if let Some(id) = added.ok_or_else(|| malformed(RecordKind::Definition))? {
-                        self.room.take(record.body.len())?;
+                        self.room.take(definitions.size(opcode, id))?;
                         let chunk = frame.offset;
                         (self.defined_in_chunks).push(DefinedInChunk { chunk, opcode, id });
                     }

@@ -276,8 +276,8 @@ impl Summary {
     fn add(&mut self, frame: &Frame, body: &[u8]) -> Option<usize> {
         Some(match frame.opcode {
             op::SCHEMA | op::CHANNEL => {
-                self.definitions.add(frame.opcode, body)?;
-                body.len()
+                let new = self.definitions.add(frame.opcode, body)?;
+                new.map_or(0, |id| self.definitions.size(frame.opcode, id))
             }
             op::CHUNK_INDEX => {
                 let (index, appended): (ChunkIndex, _) = split(body).ok()?;

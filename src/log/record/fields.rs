@@ -82,7 +82,7 @@ fields! {
 }
 
 /// About as much memory as an entry of a map of texts takes besides its texts.
-const TEXT_ENTRY: u64 = 128;
+pub(in crate::log) const TEXT_ENTRY: u64 = 128;
 
 /// Checks every length in a body against the bytes that are there. Returns where the fields end.
 ///

@@ -6,7 +6,7 @@ use std::{
 };
 
 use flightcam::log::record::{FRAME_LENGTH, push_record, serialize};
-use mcap::records::{AttachmentHeader, Metadata, op};
+use mcap::records::{AttachmentHeader, Channel, ChunkHeader, Metadata, op};
 
 use crate::support::{folder::*, forging::*, topics::*, *};
 
@@ -201,6 +201,73 @@ fn many_long_records_do_not_fill_the_memory() {
         &err,
         "damaged at byte … would have to be kept of the log in memory is more than 256 MiB",
     );
+}
+
+/// Channels with so many map entries, of which each takes far more memory than bytes of the file.
+fn channels_with_maps(channels: u16) -> Vec<u8> {
+    let metadata = (0..20_000).map(|i| (format!("{i:x}"), String::new()));
+    let channel = Channel {
+        id: 0,
+        schema_id: 0,
+        topic: "/parameters".into(),
+        message_encoding: "json".into(),
+        metadata: metadata.collect(),
+    };
+    let mut body = serialize(&channel);
+    let mut records = Vec::new();
+    for id in 0..channels {
+        body[..2].copy_from_slice(&(100 + id).to_le_bytes());
+        push_record(&mut records, op::CHANNEL, &body);
+    }
+    records
+}
+
+#[test]
+fn many_large_maps_do_not_fill_the_memory() {
+    let channels = channels_with_maps(350);
+    let compressed = zstd::encode_all(&channels[..], 1).expect("compressed");
+    let mut chunk = serialize(&ChunkHeader {
+        message_start_time: 0,
+        message_end_time: 0,
+        uncompressed_size: channels.len() as u64,
+        uncompressed_crc: 0,
+        compression: "zstd".into(),
+        compressed_size: compressed.len() as u64,
+    });
+    chunk.extend_from_slice(&compressed);
+    let mut chunk_record = Vec::new();
+    push_record(&mut chunk_record, op::CHUNK, &chunk);
+
+    let log = without_chunks();
+    let data_end = log.len() - mcap::MAGIC.len() - 20 - FRAME_LENGTH - 4 - FRAME_LENGTH;
+    let in_data = |records: &[u8]| [&log[..data_end], records, &log[data_end..]].concat();
+    let footer = log.len() - mcap::MAGIC.len() - 20 - FRAME_LENGTH;
+    let mut in_summary = [&log[..footer], &channels, &log[footer..]].concat();
+    let summary_start = in_summary.len() - mcap::MAGIC.len() - 20;
+    in_summary[summary_start..summary_start + 8].copy_from_slice(&(footer as u64).to_le_bytes());
+
+    for log in [in_data(&chunk_record), in_data(&channels), in_summary] {
+        let folder = Folder::with(LOG, log);
+        let command = "inspect flight.mcap --depression 30";
+        let (code, _, err) = folder.run_within(MEMORY / 3, command, "/dev/null");
+        assert_eq!(code, 1, "{err}");
+        assert_reads(
+            &err,
+            "damaged at byte … would have to be kept of the log in memory is more than 256 MiB",
+        );
+    }
+}
+
+/// A small log without chunks, without a summary.
+fn without_chunks() -> Vec<u8> {
+    let shape = Shape {
+        messages: 10,
+        ..Shape::with(|options| options.use_chunks(false))
+    };
+    let mut parts = Parts::of(&shape.write());
+    parts.summary.clear();
+    parts.data_section_crc = 0;
+    parts.join()
 }
 
 #[test]
