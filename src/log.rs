@@ -15,6 +15,7 @@ pub mod stream;
 pub(crate) mod summary;
 
 mod error;
+mod indexed_chunk;
 mod message_times;
 mod partial_chunk;
 mod segment;

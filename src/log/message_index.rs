@@ -9,8 +9,11 @@ use super::{
     error::ReadError,
     file::LogFile,
     record::{FRAME_LENGTH, parse, push_record, serialize, split_frame},
-    summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
 };
+
+/// The bytes of a message index before its entries (frame, channel id, length), and of one entry.
+pub const MESSAGE_INDEX_PREFIX: u64 = FRAME_LENGTH as u64 + 2 + 4;
+pub const MESSAGE_INDEX_ENTRY: u64 = 8 + 8;
 
 /// A longer message index is not used: it takes more memory than the chunk of even a million messages does.
 const LONGEST: u64 = 32 * 1024 * 1024;

@@ -10,11 +10,11 @@ use super::{
     contents::{Contents, Definitions, Room, Segment, SegmentKind},
     error::{Damage, ReadError, RecordKind},
     file::{LogFile, leading_zeros},
+    message_index::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
     record::{
         AttachmentStart, FRAME_LENGTH, Fields, MAX_RECORD, MESSAGE_HEADER_LENGTH,
         MessageIndexStart, MetadataStart, Raw, RawMessage, Unreadable, parse, split_frame,
     },
-    summary::{MESSAGE_INDEX_ENTRY, MESSAGE_INDEX_PREFIX},
 };
 
 /// How much is read at once where records follow one another closely.

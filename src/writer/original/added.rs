@@ -12,9 +12,9 @@ use crate::{
         chunk::ChunkDecoder,
         contents::{Contents, SchemaRecord, SegmentKind},
         file::LogFile,
+        message_index::MESSAGE_INDEX_ENTRY,
         record::{MAX_RECORD, MessageIndexStart, RawMessage, split},
         scan::{Bodies, Next, Walker},
-        summary::MESSAGE_INDEX_ENTRY,
     },
     writer::provenance,
 };

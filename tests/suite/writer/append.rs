@@ -466,8 +466,8 @@ fn with_wrong_start_times(alike: bool) -> Vec<u8> {
 
 #[test]
 fn a_chunk_and_an_index_with_a_wrong_start_time_are_an_error() {
-    let error = enrich_bytes(&with_wrong_start_times(true));
-    let error = error.err().expect("samples would come out of order");
+    let result = enrich_bytes(&with_wrong_start_times(true)).map(|(_, report)| report);
+    let error = result.expect_err("samples would come out of order");
     assert!(error.to_string().contains("its index says"), "{error}");
 }
 
