@@ -74,8 +74,8 @@ fn chunks_without_telemetry_are_not_opened_where_there_is_a_summary() {
     let others: Vec<u64> = others.map(|index| index.chunk_start_offset).collect();
     assert!(others.len() >= 3);
     for start in others {
-        // After the chunk's opcode and length.
-        log[start as usize + 9..][..60].fill(0xc5);
+        // After the chunk's opcode, length and times, which its index has too.
+        log[start as usize + 9 + 16..][..60].fill(0xc5);
     }
     assert_eq!(inspected(&log), expected);
 
