@@ -264,7 +264,7 @@ enum Stop {
 }
 
 impl Stop {
-    /// At a record, if that ends the data.
+    /// Reading stops at a record, if that ends the data.
     fn at(bodies: &mut impl Bodies, frame: &Frame) -> Result<Option<Self>, ReadError> {
         let (offset, end) = (frame.offset, frame.end());
         Ok(match frame.opcode {

@@ -82,7 +82,7 @@ pub struct DeriveReport {
 }
 
 impl DeriveReport {
-    /// Of a log to which other programs added that many bytes meanwhile.
+    /// Creates the report on a log to which other programs added `grown_by` bytes during the run.
     pub(crate) fn new(log: &Log, outcome: Outcome, grown_by: u64) -> Self {
         let Outcome { tallies, breaks } = outcome;
         let unreadable: u64 = Kind::ALL

@@ -17,7 +17,7 @@ use serde::Serialize;
 pub struct Foreign(String);
 
 impl Foreign {
-    /// As it was found.
+    /// The text as it was found.
     pub fn as_str(&self) -> &str {
         &self.0
     }

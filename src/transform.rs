@@ -133,7 +133,7 @@ struct Pose {
 impl Pose {
     /// A velocity in the camera's axes.
     fn see(&self, velocity: Velocity) -> Vector3<f64> {
-        /// Of larger ones, a sum may overflow on the way to a result that does not.
+        /// Sums of larger components may overflow on the way to a result that does not.
         const LARGE: f64 = 1e300;
         let (Velocity::Ned(vector) | Velocity::Frd(vector)) = velocity;
         // A power of two, so that no digit is lost.

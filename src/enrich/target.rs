@@ -142,7 +142,7 @@ impl<'a> Target<'a> {
 
 type BoxedWriter<'w> = Box<dyn LogWriter + 'w>;
 
-/// To a new file. In the layout `append` the kernel copies the log there while its telemetry is read.
+/// Writes to a new file. In the layout `append` the kernel copies the log there while its telemetry is read.
 fn new_file<'scope>(
     scope: &'scope Scope<'scope, '_>,
     log: &'scope Log,
@@ -185,7 +185,7 @@ fn new_file<'scope>(
     })
 }
 
-/// To the log's own file, which is changed when its new end is complete.
+/// Writes to the log's own file, which is changed when its new end is complete.
 fn in_place<'scope>(
     log: &'scope Log,
     format: Format,
@@ -201,7 +201,7 @@ fn in_place<'scope>(
     })
 }
 
-/// To a stream, which in the layout `append` gets the log first.
+/// Writes to a stream, which in the layout `append` gets the log first.
 fn into_stream<'w, W: Write + 'w>(
     log: &'w Log,
     mut stream: W,

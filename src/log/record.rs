@@ -197,7 +197,7 @@ pub fn parse<T: Fields + for<'a> BinRead<Args<'a> = ()>>(body: &[u8]) -> Result<
     split(body).map(|(record, _)| record)
 }
 
-/// As [`parse`], with the bytes after the record's fields.
+/// Reads a record's body like [`parse`], and returns the bytes after its fields as well.
 ///
 /// # Errors
 /// Those of [`parse`].

@@ -130,7 +130,7 @@ impl<'a> Walker<'a> {
         Self { ahead, ..self }
     }
 
-    /// From now on, takes records of opcode 0 for records, and skips those that consist of zeros.
+    /// Makes the walker step over records of opcode 0, and skip those that consist of zeros in large pieces.
     pub fn skip_zeros(&mut self) {
         self.skips_zeros = true;
     }
@@ -239,7 +239,7 @@ struct OpenChunk {
     index: ChunkIndex,
     times: Option<(u64, u64)>,
     message_counts: BTreeMap<u16, u64>,
-    /// Of the message indexes after it: messages by channel, and the offset of each record.
+    /// The message indexes after it: how many messages they list by channel, and the offset of each record.
     indexed: BTreeMap<u16, u64>,
     index_offsets: BTreeMap<u16, u64>,
     index_length: u64,
@@ -259,7 +259,7 @@ impl Collector {
         self.record_and_visit(bodies, frame, |_, _, _| {})
     }
 
-    /// As [`record`](Self::record). `visit` gets each message of a chunk, the body of its record, and what was defined
+    /// Does what [`record`](Self::record) does. `visit` gets each message of a chunk, the body of its record, and what was defined
     /// before it.
     pub fn record_and_visit(
         &mut self,

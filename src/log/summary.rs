@@ -204,7 +204,7 @@ fn belongs_after_data(opcode: u8) -> bool {
 
 /// What follows the record that ends the data of a log.
 pub enum Rest {
-    /// At most what belongs there, as far as it can be read, and zeros.
+    /// Nothing but what belongs there, as far as it can be read, and zeros.
     Summary,
     /// A record that belongs before that one.
     Data,

@@ -190,7 +190,7 @@ pub struct NewEnd<'a> {
 }
 
 impl<'a> NewEnd<'a> {
-    /// Of a log from `start` on. The log must have been opened to be changed.
+    /// Begins the new end of a log from `start` on. The log must have been opened to be changed.
     ///
     /// # Errors
     /// No file can be created beside the log, or the log is not in a file.

@@ -22,7 +22,7 @@ const LONG: u64 = 16 * 1024 * 1024;
 /// How much of a long record is held in memory at once.
 const PIECE: u64 = 1024 * 1024;
 
-/// As much as the system buffers for a pipe.
+/// How much is buffered: as much as the system buffers for a pipe.
 const BUFFER: usize = 64 * 1024;
 
 /// A log between its input and its output.
