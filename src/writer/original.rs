@@ -65,7 +65,8 @@ pub enum Lost {
 }
 
 impl Original {
-    /// Finds the original of a log, enriched or not. Nothing is written: the end of an enriched log is only read from elsewhere.
+    /// Finds the original of a log, enriched or not. Nothing is written: the end of an enriched log is only read from
+    /// elsewhere.
     ///
     /// # Errors
     /// The log cannot be read, or what it contains of its original is not a log.
