@@ -208,7 +208,7 @@ pub enum Rest {
     Summary,
     /// A record that belongs before that one.
     Data,
-    /// The closing magic, and then something else, which starts here. It may be another log.
+    /// Something else, which starts here, after the closing magic or where a record should be. It may be another log.
     Surplus { start: u64, is_log: bool },
 }
 
@@ -232,14 +232,38 @@ impl Rest {
                     },
                 });
             }
-            let Next::Record(frame) = records.step()? else {
-                return Ok(Self::Summary);
+            let frame = match records.step()? {
+                Next::Record(frame) => frame,
+                Next::End => return Ok(Self::Summary),
+                Next::Torn { offset } => return Self::torn(file, offset, after_footer),
             };
             after_footer = frame.opcode == op::FOOTER;
             if !after_footer && !belongs_after_data(frame.opcode) {
                 return Ok(Self::Data);
             }
         }
+    }
+}
+
+impl Rest {
+    /// Tells where a summary was cut short from where something else begins, at which there is no whole record.
+    fn torn(file: &LogFile, offset: u64, after_footer: bool) -> Result<Self, ReadError> {
+        let length = file.length();
+        let start = file.read(offset, (FRAME_LENGTH as u64).min(length - offset))?;
+        let opcode = start.first().copied().unwrap_or(0);
+        let is_cut = match after_footer {
+            true => mcap::MAGIC.starts_with(&start),
+            // A log does not have the unknown kinds.
+            false => opcode <= op::DATA_END && belongs_after_data(opcode) || opcode == op::FOOTER,
+        };
+        let is_zeros = || Ok(file.end_of_zeros(offset, length)? == length);
+        Ok(match (opcode != 0 && is_cut) || is_zeros()? {
+            true => Self::Summary,
+            false => Self::Surplus {
+                start: offset,
+                is_log: false,
+            },
+        })
     }
 }
 

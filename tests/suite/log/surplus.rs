@@ -125,6 +125,43 @@ fn bytes_after_a_log_without_an_end_of_its_data_are_said() {
     assert_eq!(streamed.original.breaks_off_at, Some(log.len() as u64));
 }
 
+/// The same where the log was not closed, so that its end is not known.
+#[test]
+fn bytes_where_a_summary_should_be_are_said() {
+    let log = Shape::default().write();
+    let mut parts = Parts::of(&log);
+    parts.summary.clear();
+    let bare = parts.join();
+    // Without the footer and the closing magic.
+    let data_end = bare.len() - mcap::MAGIC.len() - 20 - 9;
+    let mut message = Vec::new();
+    push_record(&mut message, op::MESSAGE, &[1; 40]);
+    let with = |kept: usize, more: &[u8]| [&log[..kept], more].concat();
+    let text = b"some text after the end";
+    let magic = log.len() - mcap::MAGIC.len();
+    let mut cases = vec![
+        (Some(data_end), with(data_end, text)),
+        (
+            Some(data_end + 4095),
+            with(data_end, &[&[0; 4096], &message[..]].concat()),
+        ),
+        (Some(magic), with(magic, text)),
+    ];
+    for missing in [1, 20, 300] {
+        cases.push((None, with(log.len() - missing, &another())));
+    }
+    for (end, file) in cases {
+        let streamed = check(&file, &Request::default(), 1000).expect("a readable log");
+        assert!(!streamed.original.is_readable_to_its_end());
+        let found = streamed.original.breaks_off_at;
+        assert!(end.is_none() || found == end.map(|end| end as u64));
+        let folder = Folder::with(LOG, &file);
+        folder.run("enrich flight.mcap --depression 30 --in-place", 3);
+        folder.run("restore flight.mcap", 0);
+        assert!(folder.read(LOG) == file, "all of it is given back");
+    }
+}
+
 #[test]
 fn nothing_is_said_of_zeros_after_a_log_or_of_a_summary_that_is_cut() {
     let log = Shape::default().write();
