@@ -10,11 +10,17 @@ use std::{
     },
     path::{Path, PathBuf},
     process::Command,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering::SeqCst},
+    },
     thread,
+    time::Duration,
 };
 
 use assert_cmd::cargo::cargo_bin;
 use flightcam::{Error, enrich, error::WriteError};
+use mcap::records::op;
 
 use crate::support::{folder::*, *};
 
@@ -265,4 +271,39 @@ fn a_file_that_appears_during_the_run_is_not_replaced() {
     let exists = matches!(error, Error::Write(WriteError::OutputExists { .. }));
     assert!(exists, "{error}");
     assert_eq!(folder.read("other.mcap"), b"of another program");
+}
+
+/// A log so long that copying it is watched several times.
+fn long_log() -> Vec<u8> {
+    let mut parts = Parts::of(&mixed_log());
+    parts.summary.clear();
+    parts.data_section_crc = 0;
+    let content = vec![7; 40 << 20];
+    let mut attachment = vec![0; 8 + 8 + 4 + 4];
+    attachment.extend((content.len() as u64).to_le_bytes());
+    attachment.extend(&content);
+    attachment.extend([0; 4]);
+    parts.data.push((op::ATTACHMENT, attachment));
+    parts.join()
+}
+
+#[test]
+fn a_new_file_has_no_name_before_all_of_the_log_is_copied() {
+    let folder = Folder::with(LOG, long_log());
+    let path = folder.path("other.mcap");
+    let (named, is_held_up) = (path.clone(), AtomicBool::new(false));
+    let is_named_early = Arc::new(AtomicBool::new(false));
+    let noted = Arc::clone(&is_named_early);
+    let options = options().watch(move |progress| {
+        // The first to have done so much is usually the copy, which is held up, so that all else is done first.
+        if progress.done >= 16 << 20 && !is_held_up.swap(true, SeqCst) {
+            for _ in 0..50 {
+                thread::sleep(Duration::from_millis(10));
+                noted.fetch_or(named.exists(), SeqCst);
+            }
+        }
+        ControlFlow::Continue(())
+    });
+    enrich(folder.path(LOG), &path, &options).expect("a result");
+    assert!(!is_named_early.load(SeqCst));
 }
