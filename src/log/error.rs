@@ -113,6 +113,8 @@ pub enum Damage {
         "there is a {kind} in the chunk there, at byte {position} of its content, and no chunk holds such a record"
     )]
     MisplacedInChunk { kind: RecordKind, position: u64 },
+    #[error("the chunk there has a message of channel {channel_id}, which its index leaves out")]
+    NotInIndex { channel_id: u16 },
     #[error("the {0} there ends the log's data, but the log goes on after it")]
     EarlyEnd(RecordKind),
     #[error("what is said to be the original's end begins elsewhere")]

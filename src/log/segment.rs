@@ -41,7 +41,7 @@ impl<'a> SegmentReader<'a> {
     /// because that takes all of its bytes.
     ///
     /// # Errors
-    /// The segment cannot be read or is damaged.
+    /// The segment cannot be read or is damaged, or has messages of a channel that its index leaves out.
     pub fn read(
         &mut self,
         segment: &Segment,
@@ -60,12 +60,17 @@ impl<'a> SegmentReader<'a> {
             }
             None => self.chunks.read(file, offset, length)?.1,
         };
-        Ok(messages(file, offset, records).filter_map(|message| {
-            let unwanted = |(_, message): &(u64, RawMessage)| !wanted.contains(&message.channel_id);
-            match message {
-                Ok(message) if unwanted(&message) => None,
-                message => Some(message.map(|(_, message)| message)),
+        Ok(messages(file, offset, records).filter_map(move |message| {
+            let channel_id = match &message {
+                Ok((_, message)) => message.channel_id,
+                Err(_) => return Some(message.map(|(_, message)| message)),
+            };
+            if !segment.message_counts.contains_key(&channel_id) {
+                let damage = Damage::NotInIndex { channel_id };
+                return Some(Err(file.damaged(offset, damage)));
             }
+            let is_wanted = wanted.contains(&channel_id);
+            is_wanted.then(|| message.map(|(_, message)| message))
         }))
     }
 

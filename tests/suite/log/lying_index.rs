@@ -7,7 +7,7 @@ use flightcam::log::{
     Damage, Log, ReadError, RecordKind, ScanReason,
     record::{parse, push_record, serialize},
 };
-use mcap::records::{ChunkIndex, MessageHeader, Statistics, op};
+use mcap::records::{Channel, ChunkIndex, MessageHeader, Statistics, op};
 
 use crate::support::{folder::*, forging::*, *};
 
@@ -19,6 +19,8 @@ struct Lie<'a> {
     /// After its message indexes; the index says that it is a part of the last one.
     tail: &'a [u8],
     change: Option<fn(&mut ChunkIndex)>,
+    /// The topic of which there is no message index at all.
+    omits: Option<&'a str>,
 }
 
 /// A log in which the index of the second chunk lies and everything else that the summary says agrees with it.
@@ -27,7 +29,19 @@ fn log_with(lie: &Lie) -> Vec<u8> {
     let mut offset = mcap::MAGIC.len() as u64;
     let mut data = Vec::new();
     let mut indexes: Vec<ChunkIndex> = Vec::new();
-    let records = std::mem::take(&mut parts.data);
+    let mut records = std::mem::take(&mut parts.data);
+    if let Some(topic) = lie.omits {
+        let mut channels = parts
+            .summary
+            .iter()
+            .filter(|(opcode, _)| *opcode == op::CHANNEL);
+        let channel = channels.find_map(|(_, body)| {
+            let channel: Channel = parse(body).expect("a channel");
+            (channel.topic == topic).then_some(channel.id.to_le_bytes())
+        });
+        let channel = channel.expect("the topic");
+        records.retain(|(opcode, body)| *opcode != op::MESSAGE_INDEX || body[..2] != channel);
+    }
     for (place, (opcode, body)) in records.iter().enumerate() {
         let length = 9 + body.len() as u64;
         let ends_chunk = records.get(place + 1).map(|next| next.0) != Some(op::MESSAGE_INDEX);
@@ -42,6 +56,7 @@ fn log_with(lie: &Lie) -> Vec<u8> {
                     chunk_start_offset: offset,
                     chunk_length: length,
                     message_index_offsets: BTreeMap::new(),
+                    message_index_length: 0,
                     ..said.clone().nth(indexes.len()).expect("its index")
                 });
             }
@@ -49,6 +64,7 @@ fn log_with(lie: &Lie) -> Vec<u8> {
                 let id = u16::from_le_bytes([body[0], body[1]]);
                 let index = indexes.last_mut().expect("its chunk");
                 index.message_index_offsets.insert(id, offset);
+                index.message_index_length += length;
             }
             _ => {}
         }
@@ -324,5 +340,24 @@ fn other_channels_and_times_than_those_of_the_chunk_are_not_believed() {
             change: Some(change),
             ..Lie::default()
         });
+    }
+}
+
+/// Nothing outside the chunks says that there is such a channel. Its id could be taken for a new one.
+#[test]
+fn a_channel_of_which_there_is_no_message_index_is_an_error_where_its_chunk_is_read() {
+    let log = log_with(&Lie {
+        omits: Some("/other"),
+        ..Lie::default()
+    });
+    let folder = Folder::with(LOG, &log);
+    let scanned = Log::open(&folder.path(LOG)).expect("a log").scanned;
+    assert_eq!(scanned, None);
+    for command in ["enrich", "enrich --in-place", "enrich --layout interleaved"] {
+        folder.refuses(
+            &format!("{command} --depression 30 flight.mcap"),
+            1,
+            "damaged at byte … which its index leaves out",
+        );
     }
 }
