@@ -11,6 +11,9 @@ use std::{
 use super::error::{Damage, ReadError};
 use crate::fs::{Access, LockedFile, OpenError, ReadAt, is_at};
 
+/// How much is held in memory of bytes that are read piece by piece.
+const PIECE: u64 = 1024 * 1024;
+
 /// A log's bytes: those of a file, or of anything else that can be read by position. Several readers can share them.
 ///
 /// While a file is open, no other run changes it in place: it is locked, exclusively if this run is about to change
@@ -195,12 +198,32 @@ impl LogFile {
         Ok(is_there && State::of(file)?.is_still(&before))
     }
 
+    /// Passes the bytes from `start` to `end` to `take`, piece by piece, so that memory holds only one of them.
+    ///
+    /// # Errors
+    /// Those of `take`, or the bytes cannot be read.
+    pub(crate) fn for_each_piece(
+        &self,
+        start: u64,
+        end: u64,
+        mut take: impl FnMut(&[u8]) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let mut piece = Vec::new();
+        let mut offset = start;
+        while offset < end {
+            let length = PIECE.min(end - offset);
+            self.read_into(&mut piece, offset, length)?;
+            take(&piece)?;
+            offset += length;
+        }
+        Ok(())
+    }
+
     /// Whether another log has the same bytes from `start` on.
     ///
     /// # Errors
     /// They cannot be read.
     pub(crate) fn has_same_end(&self, other: &Self, start: u64) -> Result<bool, ReadError> {
-        const PIECE: u64 = 1024 * 1024;
         if self.length() != other.length() {
             return Ok(false);
         }

@@ -280,14 +280,10 @@ fn end_of_magic(file: &LogFile, start: u64) -> Result<Option<u64>, ReadError> {
 /// The checksum of some of a file's bytes.
 fn checksum(file: &LogFile, start: u64, end: u64) -> Result<crc32fast::Hasher, ReadError> {
     let mut hasher = crc32fast::Hasher::new();
-    let mut piece = Vec::new();
-    let mut position = start;
-    while position < end {
-        let length = WINDOW.min(end - position);
-        file.read_into(&mut piece, position, length)?;
-        hasher.update(&piece);
-        position += length;
-    }
+    file.for_each_piece(start, end, |piece| {
+        hasher.update(piece);
+        Ok(())
+    })?;
     Ok(hasher)
 }
 

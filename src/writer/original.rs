@@ -37,9 +37,6 @@ pub const NAME: &str = "flightcam/original_tail";
 /// Its content is a `flightcam.v1.OriginalTail`.
 pub(super) const MEDIA_TYPE: &str = "application/x-protobuf";
 
-/// How much of the uncompressed tail is held in memory.
-const PIECE: u64 = 1024 * 1024;
-
 /// A log as it was before flightcam added to it.
 #[derive(Debug)]
 pub struct Original {
@@ -158,15 +155,10 @@ fn compress(log: &Log, start: u64) -> Result<(Vec<u8>, Vec<u8>), ReadError> {
     let mut sha256 = Sha256::new();
     let mut zstd =
         zstd::Encoder::new(Vec::new(), zstd::DEFAULT_COMPRESSION_LEVEL).map_err(failed)?;
-    let mut piece = Vec::new();
-    let mut position = start;
-    while position < log.file.length() {
-        let length = PIECE.min(log.file.length() - position);
-        log.file.read_into(&mut piece, position, length)?;
-        sha256.update(&piece);
-        zstd.write_all(&piece).map_err(failed)?;
-        position += length;
-    }
+    log.file.for_each_piece(start, log.file.length(), |piece| {
+        sha256.update(piece);
+        zstd.write_all(piece).map_err(failed)
+    })?;
     Ok((zstd.finish().map_err(failed)?, sha256.finalize().to_vec()))
 }
 

@@ -236,15 +236,10 @@ pub fn pass_on_the_rest(
     start: u64,
     output: &mut Named<BufWriter<impl Write>>,
 ) -> Result<(), ReadError> {
-    let mut piece = Vec::new();
-    let mut position = start;
-    while position < file.length() {
-        let length = PIECE.min(file.length() - position);
-        file.read_into(&mut piece, position, length)?;
-        let written = output.stream.write_all(&piece);
-        written.map_err(|source| cannot_write(output.name, source))?;
-        position += length;
-    }
+    file.for_each_piece(start, file.length(), |piece| {
+        let written = output.stream.write_all(piece);
+        written.map_err(|source| cannot_write(output.name, source))
+    })?;
     flush(output)
 }
 
