@@ -13,6 +13,8 @@
 //! Roll, pitch and yaw are fixed-axis angles, `R = Rz(yaw) Ry(pitch) Rx(roll)`, which is the same as the
 //! intrinsic sequence yaw, pitch, roll (ZYX, the aerospace convention). Quaternions are Hamilton's.
 
+pub mod axes;
+
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// If the projection of the unit nose axis on the ground is shorter than this, the drone's nose points straight up or
