@@ -126,12 +126,12 @@ pub enum Expected {
     Time,
 }
 
-impl From<&Shape> for Expected {
-    fn from(shape: &Shape) -> Self {
+impl From<Shape> for Expected {
+    fn from(shape: Shape) -> Self {
         match shape {
             Shape::Number => Self::Number,
             Shape::List => Self::NumberList,
-            Shape::Word(_) => Self::Text,
+            Shape::Text => Self::Text,
         }
     }
 }

@@ -12,14 +12,14 @@ pub struct Wanted {
 }
 
 /// The form in which a field is wanted.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// One number. A boolean counts as 0 or 1.
     Number,
     /// A list of numbers.
     List,
-    /// Text, as its index among these words; the index of any other text is after the last.
-    Word(Vec<String>),
+    /// Text.
+    Text,
 }
 
 /// What a path leads to, according to the schema.
@@ -45,12 +45,12 @@ pub enum FieldKind {
 
 impl FieldKind {
     /// Whether a field of this kind can be read in the wanted form.
-    pub fn is_a(&self, shape: &Shape) -> bool {
+    pub fn is_a(&self, shape: Shape) -> bool {
         matches!(
             (self, shape),
             (Self::Number, Shape::Number)
                 | (Self::List, Shape::List)
-                | (Self::Text, Shape::Word(_))
+                | (Self::Text, Shape::Text)
                 | (Self::Unknown, _)
         )
     }

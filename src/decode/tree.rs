@@ -34,11 +34,11 @@ pub enum FieldTree<Name, Leaf> {
 pub fn tree<N: Node<Name: PartialEq> + Clone, Leaf>(
     message: &N,
     wanted: &[Wanted],
-    leaf: impl Fn(&N, &Shape, usize) -> Option<Leaf>,
+    leaf: impl Fn(&N, Shape, usize) -> Option<Leaf>,
 ) -> Result<Branches<N::Name, Leaf>, SchemaError> {
     let mut branches = Vec::new();
     let mut lists = 0;
-    for (slot, Wanted { path, shape }) in wanted.iter().enumerate() {
+    for (slot, &Wanted { ref path, shape }) in wanted.iter().enumerate() {
         let field = resolve(message.clone(), path)?;
         let leaf = leaf(&field.node, shape, slot).ok_or_else(|| SchemaError::WrongShape {
             path: path.clone(),

@@ -1,6 +1,9 @@
 //! The values of the wanted fields of one message.
 
-use super::{field::Wanted, path::PathStep};
+use super::{
+    field::{Shape, Wanted},
+    path::PathStep,
+};
 
 /// A number of a message, at full precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,19 +72,49 @@ impl From<bool> for Number {
     }
 }
 
-/// What a field held in one message: a number, a list of them, or nothing.
+/// What a field held in one message: a number, a list of them, text, or nothing.
 ///
-/// Only the first [`CAPACITY`](Self::CAPACITY) numbers of a list are kept.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// Only the first [`CAPACITY`](Self::CAPACITY) numbers of a list are kept, and a text of up to
+/// [`LONGEST_TEXT`](Self::LONGEST_TEXT) bytes.
+#[derive(Debug, Clone, Default)]
 pub struct FieldValue {
-    present: bool,
+    content: Content,
+    /// How many numbers there are.
     count: usize,
     numbers: [Number; Self::CAPACITY],
+    /// The text. It keeps its memory from message to message.
+    text: Vec<u8>,
+}
+
+/// Which part of a [`FieldValue`] counts.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Content {
+    #[default]
+    Nothing,
+    Numbers,
+    Text,
+    /// A text that was too long to be kept.
+    LongText,
 }
 
 impl FieldValue {
     /// No list of interest is longer.
     pub const CAPACITY: usize = 4;
+
+    /// No text that is compared with another is longer, in bytes.
+    pub const LONGEST_TEXT: usize = 256;
+
+    /// Makes an empty value that needs no more memory for one of this shape.
+    fn with_room_for(shape: Shape) -> Self {
+        let text = match shape {
+            Shape::Text => Vec::with_capacity(Self::LONGEST_TEXT),
+            Shape::Number | Shape::List => Vec::new(),
+        };
+        Self {
+            text,
+            ..Self::default()
+        }
+    }
 
     pub fn set(&mut self, number: impl Into<Number>) {
         self.set_empty_list();
@@ -89,7 +122,7 @@ impl FieldValue {
     }
 
     pub fn set_empty_list(&mut self) {
-        self.present = true;
+        self.content = Content::Numbers;
         self.count = 0;
     }
 
@@ -100,28 +133,39 @@ impl FieldValue {
         self.count += 1;
     }
 
-    /// Stores the index of a text among the wanted words.
-    pub fn set_word(&mut self, words: &[String], text: &[u8]) {
-        let place = words.iter().position(|word| word.as_bytes() == text);
-        self.set(place.unwrap_or(words.len()) as u64);
+    pub fn set_text(&mut self, text: &[u8]) {
+        self.content = match text.len() {
+            0..=Self::LONGEST_TEXT => Content::Text,
+            _ => Content::LongText,
+        };
+        if self.content == Content::Text {
+            self.text.clear();
+            self.text.extend_from_slice(text);
+        }
     }
 
     pub fn clear(&mut self) {
-        self.present = false;
+        self.content = Content::Nothing;
     }
 
     pub fn is_present(&self) -> bool {
-        self.present
+        self.content != Content::Nothing
     }
 
-    /// The number at full precision; `None` if the field is missing or is a list whose length is not one.
+    /// The number at full precision; `None` if the field is missing, is text, or is a list whose length is not one.
     pub fn exact(&self) -> Option<Number> {
-        (self.present && self.count == 1).then_some(self.numbers[0])
+        (self.content == Content::Numbers && self.count == 1).then_some(self.numbers[0])
     }
 
-    /// The number; `None` if the field is missing or is a list whose length is not one.
+    /// The number; `None` if the field is missing, is text, or is a list whose length is not one.
     pub fn number(&self) -> Option<f64> {
         self.exact().map(Number::to_f64)
+    }
+
+    /// The text, which need not be UTF-8; `None` if the field is missing, is a number or a list, or is longer than
+    /// [`LONGEST_TEXT`](Self::LONGEST_TEXT).
+    pub fn text(&self) -> Option<&[u8]> {
+        (self.content == Content::Text).then_some(&self.text)
     }
 
     /// How many numbers the list has.
@@ -154,7 +198,9 @@ impl Slots {
             .filter(|step| matches!(step, PathStep::Index(_)))
             .count();
         Self {
-            values: vec![FieldValue::default(); wanted.len()],
+            values: (wanted.iter())
+                .map(|field| FieldValue::with_room_for(field.shape))
+                .collect(),
             seen: vec![0; lists],
         }
     }

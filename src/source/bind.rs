@@ -27,8 +27,7 @@ pub struct BoundRole {
 /// One way to read a message as a sample.
 #[derive(Debug)]
 pub struct Reading {
-    /// The condition. A word to compare with is given by its index among those that the decoder knows.
-    pub condition: Option<Condition<Slot, i64>>,
+    pub condition: Option<Condition<Slot>>,
     pub time: SampleTime<TimeSlots>,
     pub valid: Vec<Slot>,
     pub fields: RoleFields<Slot>,

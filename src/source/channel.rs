@@ -117,12 +117,14 @@ fn reading_for<'a>(role: &'a BoundRole, values: &[FieldValue]) -> Result<&'a Rea
     Err(DropReason::UnknownFrame)
 }
 
-impl Condition<Slot, i64> {
+impl Condition<Slot> {
     fn holds(&self, values: &[FieldValue]) -> Result<bool, DropReason> {
-        let number = exact(values, self.field)?;
-        Ok(match self.test {
-            Test::Is(wanted) | Test::Says(wanted) => number.is(wanted),
-            Test::HasBits(bits) => number.bits() & bits != 0,
+        let value = &values[self.field];
+        Ok(match &self.test {
+            Test::Is(wanted) => exact(values, self.field)?.is(*wanted),
+            Test::HasBits(bits) => exact(values, self.field)?.bits() & bits != 0,
+            Test::Says(_) if !value.is_present() => return Err(DropReason::MissingField),
+            Test::Says(wanted) => value.text() == Some(wanted.as_bytes()),
         })
     }
 }

@@ -22,17 +22,16 @@ type JsonTree = FieldTree<String, JsonLeaf>;
 #[derive(Debug)]
 pub struct JsonLeaf {
     slot: usize,
-    /// The words among which a text is looked up; `None` if numbers are wanted.
-    words: Option<Vec<String>>,
+    /// Whether text is wanted, and not numbers.
+    is_text: bool,
 }
 
 impl JsonLeaf {
-    pub fn new(shape: &Shape, slot: usize) -> Self {
-        let words = match shape {
-            Shape::Word(words) => Some(words.clone()),
-            Shape::Number | Shape::List => None,
-        };
-        Self { slot, words }
+    pub fn new(shape: Shape, slot: usize) -> Self {
+        Self {
+            slot,
+            is_text: shape == Shape::Text,
+        }
     }
 }
 
@@ -156,14 +155,12 @@ impl<'de> DeserializeSeed<'de> for NodeSeed<'_> {
                 deserializer.deserialize_any(ElementsVisitor { elements, slots })
             }
             FieldTree::Leaf(leaf) => {
-                let words = leaf.words.as_deref();
-                let slot = &mut slots.values[leaf.slot];
-                LeafVisitor {
-                    words,
+                let visitor = LeafVisitor {
+                    is_text: leaf.is_text,
                     is_element: false,
-                    slot,
-                }
-                .deserialize(deserializer)
+                    slot: &mut slots.values[leaf.slot],
+                };
+                visitor.deserialize(deserializer)
             }
         }
     }
@@ -206,20 +203,11 @@ impl<'de> Visitor<'de> for ElementsVisitor<'_> {
 
 /// Reads a number, a boolean, a list of numbers, a string, or `null` for a missing field.
 struct LeafVisitor<'a> {
-    words: Option<&'a [String]>,
+    /// Whether text is wanted. A number in its place is kept as the number that it is.
+    is_text: bool,
     /// Whether the value is an element of a list, so that it cannot be a list itself.
     is_element: bool,
     slot: &'a mut FieldValue,
-}
-
-impl LeafVisitor<'_> {
-    /// Stores a number. If words are wanted, it is none of them.
-    fn set(self, number: impl Into<Number>) {
-        match self.words {
-            Some(words) => self.slot.set(words.len() as u64),
-            None => self.slot.set(number),
-        }
-    }
 }
 
 impl<'de> DeserializeSeed<'de> for LeafVisitor<'_> {
@@ -238,32 +226,31 @@ impl<'de> Visitor<'de> for LeafVisitor<'_> {
     }
 
     fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<(), E> {
-        self.set(number);
+        self.slot.set(number);
         Ok(())
     }
 
     fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<(), E> {
-        self.set(number);
+        self.slot.set(number);
         Ok(())
     }
 
     fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<(), E> {
-        self.set(number);
+        self.slot.set(number);
         Ok(())
     }
 
     fn visit_bool<E: serde::de::Error>(self, truth: bool) -> Result<(), E> {
-        self.set(truth);
+        self.slot.set(truth);
         Ok(())
     }
 
     fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<(), E> {
-        match self.words {
-            Some(words) => self.slot.set_word(words, text.as_bytes()),
-            None => {
-                let not_a_number = || E::invalid_type(Unexpected::Str(text), &"a number");
-                self.slot.set(number_in(text).ok_or_else(not_a_number)?);
-            }
+        if self.is_text {
+            self.slot.set_text(text.as_bytes());
+        } else {
+            let not_a_number = || E::invalid_type(Unexpected::Str(text), &"a number");
+            self.slot.set(number_in(text).ok_or_else(not_a_number)?);
         }
         Ok(())
     }
@@ -274,14 +261,14 @@ impl<'de> Visitor<'de> for LeafVisitor<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        if self.is_element || self.words.is_some() {
+        if self.is_element || self.is_text {
             return Err(serde::de::Error::invalid_type(Unexpected::Seq, &"a number"));
         }
         self.slot.set_empty_list();
         let mut element = FieldValue::default();
         let mut read_element = || {
             seq.next_element_seed(LeafVisitor {
-                words: None,
+                is_text: false,
                 is_element: true,
                 slot: &mut element,
             })

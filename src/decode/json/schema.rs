@@ -110,7 +110,7 @@ impl<'a> JsonSchema<'a> {
 
     /// Makes a decoder that puts the n-th wanted field into slot n.
     pub fn decoder(&self, wanted: &[Wanted]) -> Result<JsonDecoder, SchemaError> {
-        let leaf = |_: &_, shape: &_, slot| Some(JsonLeaf::new(shape, slot));
+        let leaf = |_: &_, shape, slot| Some(JsonLeaf::new(shape, slot));
         Ok(JsonDecoder::new(tree(&self.root(), wanted, leaf)?))
     }
 

@@ -33,8 +33,7 @@ pub struct ProtobufLeaf {
 #[derive(Debug)]
 enum LeafContent {
     Scalar(ProtobufScalar),
-    /// Text, wanted as its index among these words.
-    Text(Vec<String>),
+    Text,
 }
 
 /// How a number is encoded.
@@ -68,14 +67,14 @@ impl ProtobufDecoder {
 
 impl ProtobufLeaf {
     /// Reads a field or an element of it; `None` if numbers are wanted and it does not contain numbers.
-    pub fn new(field: &FieldDescriptor, shape: &Shape, slot: usize) -> Option<Self> {
+    pub fn new(field: &FieldDescriptor, shape: Shape, slot: usize) -> Option<Self> {
         Some(Self {
             slot,
             content: match shape {
-                Shape::Word(words) => LeafContent::Text(words.clone()),
+                Shape::Text => LeafContent::Text,
                 Shape::Number | Shape::List => LeafContent::Scalar(ProtobufScalar::of(field)?),
             },
-            is_list: *shape == Shape::List,
+            is_list: shape == Shape::List,
             has_presence: field.supports_presence(),
         })
     }
@@ -88,8 +87,8 @@ impl ProtobufLeaf {
         slot: &mut FieldValue,
     ) -> Result<(), Undecodable> {
         match &self.content {
-            LeafContent::Text(words) if wire_type == WireType::LengthDelimited => {
-                slot.set_word(words, take_delimited(bytes)?);
+            LeafContent::Text if wire_type == WireType::LengthDelimited => {
+                slot.set_text(take_delimited(bytes)?);
             }
             LeafContent::Scalar(scalar) if wire_type == scalar.wire_type() => {
                 let number = scalar.read(bytes)?;
@@ -106,7 +105,7 @@ impl ProtobufLeaf {
     fn scalar(&self) -> Option<ProtobufScalar> {
         match self.content {
             LeafContent::Scalar(scalar) => Some(scalar),
-            LeafContent::Text(_) => None,
+            LeafContent::Text => None,
         }
     }
 
@@ -117,7 +116,7 @@ impl ProtobufLeaf {
             _ if slot.is_present() || self.has_presence => {}
             LeafContent::Scalar(_) if self.is_list => slot.set_empty_list(),
             LeafContent::Scalar(_) => slot.set(0.0),
-            LeafContent::Text(words) => slot.set_word(words, b""),
+            LeafContent::Text => slot.set_text(b""),
         }
     }
 }

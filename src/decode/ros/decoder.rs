@@ -31,8 +31,7 @@ pub enum Op {
         length: Length,
         slot: usize,
     },
-    Word {
-        words: Vec<String>,
+    Text {
         slot: usize,
     },
     /// A list from which some elements are wanted.
@@ -46,7 +45,7 @@ pub enum Op {
 
 impl Op {
     /// Makes the operation that reads a field into a slot; `None` if the field does not have this shape.
-    pub fn read(field: &RosType, shape: &Shape, slot: usize) -> Option<Self> {
+    pub fn read(field: &RosType, shape: Shape, slot: usize) -> Option<Self> {
         match (shape, &field.element, field.list) {
             (Shape::Number, &RosElement::Number(scalar), None) => {
                 Some(Self::Number { scalar, slot })
@@ -56,10 +55,7 @@ impl Op {
                 length,
                 slot,
             }),
-            (Shape::Word(words), RosElement::Text, None) => Some(Self::Word {
-                words: words.clone(),
-                slot,
-            }),
+            (Shape::Text, RosElement::Text, None) => Some(Self::Text { slot }),
             _ => None,
         }
     }
@@ -89,7 +85,7 @@ impl Program {
                         slots[*slot].push(cursor.number(*scalar)?);
                     }
                 }
-                Op::Word { words, slot } => slots[*slot].set_word(words, cursor.text()?),
+                Op::Text { slot } => slots[*slot].set_text(cursor.text()?),
                 Op::Elements {
                     length,
                     element,

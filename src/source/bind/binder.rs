@@ -7,6 +7,7 @@ use crate::{
         field::{FieldKind, Shape, Wanted},
         path::FieldPath,
         schema::MessageSchema,
+        value::FieldValue,
     },
     source::profile::{
         AttitudeFields, Components, Condition, Coordinates, Euler, GimbalFields, OptionalField,
@@ -179,7 +180,7 @@ impl<'a> Binder<'a> {
         &mut self,
         OptionalField { field, optional }: &OptionalField,
     ) -> Result<Option<OptionalField<Slot>>, BindError> {
-        let is_number = |kind: FieldKind| kind.is_a(&Shape::Number);
+        let is_number = |kind: FieldKind| kind.is_a(Shape::Number);
         if *optional && !self.schema.kind_of(field).is_ok_and(is_number) {
             return Ok(None);
         }
@@ -191,9 +192,18 @@ impl<'a> Binder<'a> {
 
     /// Resolves a number.
     pub fn number(&mut self, path: &FieldPath) -> Result<Slot, BindError> {
+        self.field(path, Shape::Number)
+    }
+
+    /// Resolves a text.
+    pub fn text(&mut self, path: &FieldPath) -> Result<Slot, BindError> {
+        self.field(path, Shape::Text)
+    }
+
+    fn field(&mut self, path: &FieldPath, shape: Shape) -> Result<Slot, BindError> {
         match self.kind_of(path)? {
-            Some(kind) if kind.is_a(&Shape::Number) => Ok(self.slot(path, Shape::Number)),
-            Some(kind) => Err(wrong_shape(path, Expected::Number, kind)),
+            Some(kind) if kind.is_a(shape) => Ok(self.slot(path, shape)),
+            Some(kind) => Err(wrong_shape(path, shape.into(), kind)),
             None => Ok(Slot::default()),
         }
     }
@@ -202,20 +212,20 @@ impl<'a> Binder<'a> {
     pub fn condition(
         &mut self,
         Condition { field, test }: &Condition,
-    ) -> Result<Condition<Slot, i64>, BindError> {
-        let (field, test) = match test {
-            Test::Is(number) => (self.number(field)?, Test::Is(*number)),
-            Test::HasBits(bits) => (self.number(field)?, Test::HasBits(*bits)),
-            Test::Says(text) => {
-                let (slot, place) = match self.kind_of(field)? {
-                    Some(FieldKind::Text | FieldKind::Unknown) => self.word(field, text),
-                    Some(kind) => return Err(wrong_shape(field, Expected::Text, kind)),
-                    None => Default::default(),
-                };
-                (slot, Test::Says(place as i64))
+    ) -> Result<Condition<Slot>, BindError> {
+        let slot = match test {
+            Test::Is(_) | Test::HasBits(_) => self.number(field)?,
+            Test::Says(text) if text.len() > FieldValue::LONGEST_TEXT => {
+                return Err(BindError::LongText {
+                    path: field.clone(),
+                });
             }
+            Test::Says(_) => self.text(field)?,
         };
-        Ok(Condition { field, test })
+        Ok(Condition {
+            field: slot,
+            test: test.clone(),
+        })
     }
 
     /// Resolves a time.
@@ -241,7 +251,7 @@ impl<'a> Binder<'a> {
                 ])));
             }
         }
-        if !kind.is_a(&Shape::Number) {
+        if !kind.is_a(Shape::Number) {
             return Err(wrong_shape(path, Expected::Time, kind));
         }
         let unit = unit.ok_or_else(|| BindError::NoUnit { path: path.clone() })?;
@@ -273,24 +283,6 @@ impl<'a> Binder<'a> {
             self.wanted.push(field);
             self.wanted.len() - 1
         })
-    }
-
-    /// The slot of a text, and the index of a word among those that it is compared with.
-    fn word(&mut self, path: &FieldPath, word: &str) -> (Slot, usize) {
-        let of_path = |field: &Wanted| field.path == *path && matches!(field.shape, Shape::Word(_));
-        let slot = match self.wanted.iter().position(of_path) {
-            Some(slot) => slot,
-            None => self.slot(path, Shape::Word(Vec::new())),
-        };
-        let Shape::Word(words) = &mut self.wanted[slot].shape else {
-            unreachable!("the slot is that of a text");
-        };
-        let known = words.iter().position(|other| other == word);
-        let place = known.unwrap_or_else(|| {
-            words.push(word.to_owned());
-            words.len() - 1
-        });
-        (slot, place)
     }
 }
 

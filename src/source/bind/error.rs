@@ -1,7 +1,7 @@
 //! Why a channel's messages cannot be read as a profile says.
 
 use crate::{
-    decode::{error::SchemaError, path::FieldPath},
+    decode::{error::SchemaError, path::FieldPath, value::FieldValue},
     log::ReadError,
     text::{self, Foreign},
 };
@@ -20,6 +20,12 @@ pub enum BindError {
 
     #[error("its field `{path}` is a number, and its unit is not given: s, ms, us or ns")]
     NoUnit { path: FieldPath },
+
+    #[error(
+        "its field `{path}` is compared with a text of more than {} bytes, which are not kept",
+        FieldValue::LONGEST_TEXT
+    )]
+    LongText { path: FieldPath },
 }
 
 impl BindError {
@@ -36,7 +42,7 @@ impl BindError {
         match self {
             Self::Schema(error) => error.missing_fields(),
             Self::OtherType { .. } => usize::MAX,
-            Self::NoUnit { .. } => 1,
+            Self::NoUnit { .. } | Self::LongText { .. } => 1,
         }
     }
 

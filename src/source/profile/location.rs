@@ -43,26 +43,26 @@ impl Location {
     }
 }
 
-/// What must hold for a message to be read in a certain way. `F` stands for a field and `W` for a word: their path
-/// and text in a profile, their numbers in a decoder.
+/// What must hold for a message to be read in a certain way. `F` stands for a field: its path in a profile, its slot in
+/// a decoder.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct Condition<F = FieldPath, W = String> {
+pub struct Condition<F = FieldPath> {
     /// The field.
     pub field: F,
     /// What it must hold.
     #[serde(flatten)]
-    pub test: Test<W>,
+    pub test: Test,
 }
 
 /// What a field must hold.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Test<W = String> {
+pub enum Test {
     /// This number.
     Is(i64),
     /// This text.
-    Says(W),
+    Says(String),
     /// A number with any of these bits.
     HasBits(u64),
 }

@@ -14,7 +14,7 @@ use flightcam::{
 use serde_json::{Value, json};
 
 use crate::support::{
-    folder::{Folder, LOG},
+    folder::{Folder, LOG, assert_reads},
     selecting::{refuses, request, selects},
     topics::{self, Topic, log, topic},
 };
@@ -179,6 +179,53 @@ fn a_number_does_not_match_a_condition_on_a_string() {
     let (samples, tallies) = read(&[topic("/a", messages)], &profile, &[Kind::Attitude]);
     assert_eq!(samples.len(), 1);
     assert_eq!(dropped(&tallies, Kind::Attitude), 3);
+}
+
+#[test]
+fn several_conditions_on_one_text_are_told_apart() {
+    let profile = of_profile(
+        "name = \"own\"\n[[attitude]]\ntopics = [\"/a\"]\nwhen = { field = \"frame\", says = \"ned\" }\n\
+         orientation.quaternion = \"q\"\n\
+         [[attitude]]\ntopics = [\"/a\"]\nwhen = { field = \"frame\", says = \"neds\" }\n\
+         orientation.quaternion = \"r\"\n",
+    );
+    let messages = ["ned", "neds", "ne", ""]
+        .map(|frame| json!({ "q": [1, 0, 0, 0], "r": [0, 0, 0, 1], "frame": frame }));
+    let (samples, tallies) = read(&[topic("/a", messages)], &profile, &[Kind::Attitude]);
+    let scalars: Vec<f64> = (samples.iter())
+        .map(|sample| match sample {
+            Sample::Attitude(sample) => sample.orientation.w,
+            _ => f64::NAN,
+        })
+        .collect();
+    assert_eq!(scalars, [1.0, 0.0]);
+    assert_eq!(dropped(&tallies, Kind::Attitude), 2);
+}
+
+/// Texts are compared up to a length, beyond which none is equal to another.
+#[test]
+fn a_long_text_is_not_taken_for_one_that_begins_like_it() {
+    let of_length = |length| {
+        of_profile(&format!(
+            "name = \"own\"\n[[attitude]]\ntopics = [\"/a\"]\nwhen = {{ field = \"frame\", says = \"{}\" }}\n\
+             orientation.quaternion = \"q\"\n",
+            "x".repeat(length)
+        ))
+    };
+    let messages = [255, 256, 257, 1000]
+        .map(|length| json!({ "q": [1, 0, 0, 0], "frame": "x".repeat(length) }));
+    let log_of_all = [topic("/a", messages)];
+    let (samples, tallies) = read(&log_of_all, &of_length(256), &[Kind::Attitude]);
+    assert_eq!(samples.len(), 1);
+    assert_eq!(dropped(&tallies, Kind::Attitude), 3);
+
+    let folder = Folder::with(LOG, log(&log_of_all));
+    let log = Log::open(&folder.path(LOG)).expect("a log");
+    let refused = Source::select(&log, &of_length(257)).expect_err("a text that is too long");
+    assert_reads(
+        &refused.to_string(),
+        "its field `frame` is compared with a text of more than 256 bytes",
+    );
 }
 
 #[test]
