@@ -10,8 +10,8 @@
 use std::error::Error;
 
 use flightcam::profile::{
-    Alternative, AngleUnit, AttitudeFields, Components, Convention, Euler, Location, Orientation,
-    Profile, RoleFields, SpeedUnit, VelocityFields, VelocityFrame,
+    Alternative, AngleUnit, AttitudeFields, Axes, Components, Convention, Euler, EulerOrder,
+    Location, Orientation, Profile, RoleFields, SpeedUnit, VelocityFields, WorldAxes,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -25,13 +25,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             pitch: "pitch".parse()?,
             yaw: "yaw".parse()?,
             unit: AngleUnit::Radians,
+            order: EulerOrder::YawPitchRoll,
         }),
-        convention: Convention::FrdNed,
+        convention: Some(Convention::FRD_NED),
         reset_counter: None,
     };
     let velocity = VelocityFields {
         vector: Components::Each(["vx".parse()?, "vy".parse()?, "vz".parse()?]),
-        frame: VelocityFrame::Ned,
+        frame: Axes::World(WorldAxes::NED),
         unit: SpeedUnit::MetresPerSecond,
         required: true,
     };

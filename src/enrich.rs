@@ -125,6 +125,7 @@ fn write(
         let derivation = sink.take(&first).and_then(|()| job.feed(&mut sink));
         match derivation {
             Ok(derivation) => {
+                derivation.source.check_sources(&original.log)?;
                 let findings = findings(derivation);
                 let (written, grown_by) = sink.finish(findings.facts())?;
                 Ok(findings.report(output, written, grown_by))
@@ -163,7 +164,9 @@ pub fn derive<'a>(
                     return Ok(None);
                 }
             }
-            let outcome = job.finish()?.outcome();
+            let derivation = job.finish()?;
+            derivation.source.check_sources(&log)?;
+            let outcome = derivation.outcome();
             let grown_by = log.file.grown_by()?;
             Ok(Some(DeriveReport::new(&log, outcome, grown_by)))
         })

@@ -26,7 +26,7 @@ use crate::{
     report::{CameraReport, MissingReason, MissingTopic, Note, ProfileReport, lossy},
     run::{Input, RunError},
     sample::{Kind, Sample, Tallies, Tally},
-    source::{Origin, RunnerUp, Source, error::Misfit},
+    source::{Origin, ReadAs, RefusedFrames, RunnerUp, Source, error::Misfit},
     text::Foreign,
     writer::original::Original,
 };
@@ -149,6 +149,11 @@ pub struct FoundRole {
     /// How many of those were usable, and how many were not, for which reason.
     #[serde(flatten)]
     pub tally: Tally,
+    /// In which axes and units they were read, and why; more than one if messages differ.
+    pub read_as: Vec<ReadAs>,
+    /// The frames for which samples were dropped.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub refused_frames: Vec<RefusedFrames>,
     /// The share of those that were not, 0 to 1.
     pub share_invalid: f64,
     /// The first usable one that was read.
@@ -159,7 +164,8 @@ impl FoundRole {
     /// Describes the role in a log whose telemetry was logged at these times, by channel, each channel's in order.
     fn new(
         log: &Log,
-        role: &Origin,
+        source: &Source,
+        (kind, role): (Kind, &Origin),
         times: &BTreeMap<u16, Vec<u64>>,
         tally: &Tally,
         first: Option<&Sample>,
@@ -189,6 +195,8 @@ impl FoundRole {
             largest_gap_s: gaps.max().map(|gap| gap as f64 / 1e9),
             read,
             tally: tally.clone(),
+            read_as: source.read_as(kind),
+            refused_frames: source.refused_frames(kind),
             share_invalid: match read {
                 0 => 0.0,
                 read => (read - tally.used) as f64 / read as f64,
@@ -252,7 +260,10 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
         Ok(mut source) => {
             let found = Telemetry::describe(&log, &mut source, options)?;
             notes.extend(Note::on_suspicious_angle(&source));
-            problem = problem.or_else(|| found.why_nothing(log.file.path()));
+            let mixed = source.check_sources(&log).err().map(Error::from);
+            problem = problem
+                .or(mixed)
+                .or_else(|| found.why_nothing(log.file.path()));
             telemetry = Some(found);
         }
         Err(error) => problem = problem.or(Some(error.into())),
@@ -296,7 +307,14 @@ impl Telemetry {
             let role = match role {
                 Ok(role) => {
                     let (tally, first) = (&sampled.tallies[kind], sampled.first.get(&kind));
-                    RoleReport::Found(Box::new(FoundRole::new(log, role, &times, tally, first)))
+                    RoleReport::Found(Box::new(FoundRole::new(
+                        log,
+                        source,
+                        (kind, role),
+                        &times,
+                        tally,
+                        first,
+                    )))
                 }
                 Err(misfit) => RoleReport::Missing {
                     missing: misfit.clone(),
@@ -352,6 +370,7 @@ impl Telemetry {
                 needed,
                 topic: found.topic.clone(),
                 tally: found.tally.clone(),
+                refused_frames: found.refused_frames.clone(),
             }),
             RoleReport::Missing { missing } => Err(MissingReason::NoSamples {
                 sample: kind,

@@ -112,8 +112,8 @@ pub mod profile {
         Location, OptionalField, Orientation, Pitch, Profile, Quaternion, RoleFields, SampleTime,
         Test, TimeField, VelocityFields,
         convention::{
-            AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
-            SpeedUnit, TimeUnit, VelocityFrame,
+            AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit, NotAConvention, NotAxes,
+            PositiveDirection, QuaternionOrder, SpeedUnit, TimeUnit, WorldAxes,
         },
     };
     pub use crate::{decode::path::FieldPath, sample::GimbalReference};

@@ -19,7 +19,7 @@ use crate::{
     log::Log,
     messages::{Encoding, EncodingChoice},
     sample::{Kind, Tallies, Tally},
-    source::{Origin, Source, profile::ProfileChoice},
+    source::{Origin, ReadAs, RefusedFrames, Source, profile::ProfileChoice},
     text::Foreign,
     transform::{Breaks, Outcome},
     writer::Layout,
@@ -215,6 +215,11 @@ pub struct SampleReport {
     /// How many were used, and how many were not, for which reason.
     #[serde(flatten)]
     pub tally: Tally,
+    /// In which axes and units they were read, and why; more than one if messages differ.
+    pub read_as: Vec<ReadAs>,
+    /// The frames for which samples were dropped.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub refused_frames: Vec<RefusedFrames>,
 }
 
 impl SampleReport {
@@ -222,6 +227,8 @@ impl SampleReport {
         Self {
             topic: source.role(kind).map(|role| role.topic.clone()),
             tally: tallies[kind].clone(),
+            read_as: source.read_as(kind),
+            refused_frames: source.refused_frames(kind),
         }
     }
 }

@@ -9,6 +9,8 @@ use std::{
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::geometry::axes::Axes;
+
 /// A sample's times, in nanoseconds since the log's epoch (that of 1970, or the vehicle's boot).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stamp {
@@ -109,6 +111,16 @@ pub enum Sample {
     Position(PositionSample),
 }
 
+impl Velocity {
+    /// Takes components in m/s in some axes.
+    pub fn in_axes(axes: Axes, components: Vector3<f64>) -> Self {
+        match axes {
+            Axes::World(axes) => Self::Ned(axes.to_own(components)),
+            Axes::Body(axes) => Self::Frd(axes.to_own(components)),
+        }
+    }
+}
+
 impl Sample {
     /// Its times.
     pub fn stamp(&self) -> Stamp {
@@ -185,6 +197,12 @@ pub enum DropReason {
     MissingField,
     /// According to the log it is measured in a frame that cannot be related to NED.
     UnknownFrame,
+    /// According to the log it is measured in other axes than the profile says.
+    OtherFrame,
+    /// An orientation that is measured from the drone's own frame.
+    OwnFrame,
+    /// The message says that it has no orientation (`sensor_msgs/Imu`).
+    NoOrientation,
     /// The time that the message gives for it is negative, not finite, or too large.
     BadTime,
     /// A number is infinite or not a number.
@@ -221,6 +239,9 @@ impl DropReason {
             DropReason::ParameterList => "parameter_list",
             DropReason::MissingField => "missing_field",
             DropReason::UnknownFrame => "unknown_frame",
+            DropReason::OtherFrame => "other_frame",
+            DropReason::OwnFrame => "own_frame",
+            DropReason::NoOrientation => "no_orientation",
             DropReason::BadTime => "bad_time",
             DropReason::NonFinite => "non_finite",
             DropReason::TooLarge => "too_large",
@@ -252,6 +273,11 @@ impl fmt::Display for DropReason {
             }
             DropReason::MissingField => "without a field that is needed",
             DropReason::UnknownFrame => "in a frame that cannot be related to NED",
+            DropReason::OtherFrame => "in a frame that contradicts the profile",
+            DropReason::OwnFrame => "measured from the drone's own frame, which is no attitude",
+            DropReason::NoOrientation => {
+                "without an orientation, which is what orientation_covariance[0] = -1 means"
+            }
             DropReason::BadTime => "with an impossible time",
             DropReason::NonFinite => "with a number that is not finite",
             DropReason::TooLarge => "with a number that is too large to compute with",

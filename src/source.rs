@@ -7,6 +7,7 @@ pub mod stream_filter;
 
 mod bind;
 mod channel;
+mod frames;
 mod pattern;
 mod select;
 
@@ -25,7 +26,9 @@ use crate::{
     text::{self, Foreign},
 };
 use channel::{ChannelReader, LargestAngles};
-use error::Misfit;
+pub use channel::{Id, RefusedFrames};
+use error::{Misfit, TelemetryError};
+pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
 use select::Fit;
 
@@ -128,6 +131,48 @@ impl Source {
         }
     }
 
+    /// How the samples of a kind were read, as far as messages have been read.
+    pub fn read_as(&self, kind: Kind) -> Vec<ReadAs> {
+        distinct(
+            self.channels
+                .values()
+                .flat_map(|channel| channel.read_as(kind)),
+        )
+    }
+
+    /// Frames for which samples of a kind were dropped, as far as messages have been read.
+    pub fn refused_frames(&self, kind: Kind) -> Vec<RefusedFrames> {
+        distinct(
+            self.channels
+                .values()
+                .flat_map(|channel| channel.refused(kind)),
+        )
+    }
+
+    /// Checks that the samples of each kind come from one source, as far as messages have been read.
+    ///
+    /// # Errors
+    /// Those of a kind come from several, which a field tells apart.
+    pub fn check_sources(&self, log: &Log) -> Result<(), TelemetryError> {
+        let mut mixed = self
+            .channels
+            .values()
+            .filter_map(ChannelReader::mixed_sources);
+        match mixed.next() {
+            None => Ok(()),
+            Some(mixed) => Err(TelemetryError::SeveralSources {
+                path: log.file.path().into(),
+                topic: self
+                    .role(mixed.kind)
+                    .map(|origin| origin.topic.clone())
+                    .unwrap_or_default(),
+                role: mixed.kind,
+                field: mixed.field,
+                ids: mixed.ids,
+            }),
+        }
+    }
+
     /// An angle of the attitude that was read as radians and is too large to be, once all messages have been read.
     pub fn suspicious_angle(&self) -> Option<f64> {
         let angles = self.channels.values().map(ChannelReader::largest_angles);
@@ -137,6 +182,15 @@ impl Source {
         let (angle, _) = limits.into_iter().find(|(angle, limit)| angle > limit)?;
         Some(angle)
     }
+}
+
+fn distinct<'a, T: PartialEq + Clone + 'a>(all: impl Iterator<Item = &'a T>) -> Vec<T> {
+    all.fold(Vec::new(), |mut known, one| {
+        if !known.contains(one) {
+            known.push(one.clone());
+        }
+        known
+    })
 }
 
 impl fmt::Display for Origin {

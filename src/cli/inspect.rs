@@ -147,6 +147,12 @@ fn describe_role(page: &mut Page, label: &str, found: &FoundRole) {
     };
     let fields = text::join(&found.fields, ", ");
     page.line(label, format!("{topic} ({kind}): {fields}"));
+    for read_as in &found.read_as {
+        page.line("", words::read_as(read_as));
+    }
+    for refused in &found.refused_frames {
+        page.line("", words::refused_frames(refused));
+    }
     if let Some(first) = &found.first {
         page.line("", format!("at first {}", words::first_sample(first)));
     }

@@ -82,6 +82,12 @@ fn describe_samples(page: &mut Page, label: &str, samples: &SampleReport) {
             HumanCount(total)
         ),
     );
+    for read_as in &samples.read_as {
+        page.line("", words::read_as(read_as));
+    }
+    for refused in &samples.refused_frames {
+        page.line("", words::refused_frames(refused));
+    }
     for (reason, count) in &samples.tally.dropped {
         page.line("", format!("{} dropped: {reason}", HumanCount(*count)));
     }

@@ -48,7 +48,7 @@ impl FieldPath {
     }
 
     /// The path of the first `count` steps.
-    pub(super) fn first(&self, count: usize) -> Self {
+    pub(crate) fn first(&self, count: usize) -> Self {
         Self {
             steps: self.steps[..count].to_vec(),
         }

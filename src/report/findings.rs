@@ -87,6 +87,7 @@ impl<'a> Findings<'a> {
             needed,
             topic: samples.topic.clone().unwrap_or_default(),
             tally: samples.tally.clone(),
+            refused_frames: samples.refused_frames.clone(),
         }
     }
 

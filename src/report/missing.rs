@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{
     sample::{Kind, Tally},
-    source::error::Misfit,
+    source::{RefusedFrames, error::Misfit},
     text::Foreign,
 };
 
@@ -43,6 +43,9 @@ pub enum MissingReason {
         /// How many are usable, and how many are not, for which reason.
         #[serde(flatten)]
         tally: Tally,
+        /// The frames for which samples are not usable.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        refused_frames: Vec<RefusedFrames>,
     },
     /// No two attitude samples belong together.
     NoneAdjacent {
@@ -63,6 +66,7 @@ impl fmt::Display for MissingReason {
                 needed,
                 topic,
                 tally,
+                refused_frames,
             } => {
                 let kind = sample.name();
                 match needed {
@@ -74,6 +78,9 @@ impl fmt::Display for MissingReason {
                 write!(f, ", and {topic} has {used} of {total} usable")?;
                 for (reason, count) in &tally.dropped {
                     write!(f, ", {count} {reason}")?;
+                }
+                for refused in refused_frames {
+                    write!(f, "; {refused}")?;
                 }
                 Ok(())
             }

@@ -3,6 +3,8 @@
 
 mod binder;
 mod error;
+mod frames;
+mod ids;
 
 use super::profile::{
     Alternative, Condition, Profile, RoleFields, SampleTime, convention::TimeUnit,
@@ -10,6 +12,10 @@ use super::profile::{
 use crate::{decode::path::FieldPath, sample::Kind, text::Foreign};
 pub use binder::Binder;
 pub use error::BindError;
+use frames::bind_frames;
+pub use frames::{BoundFrames, BoundNames, ChannelName, Contradiction, SaidBy};
+pub use ids::BoundId;
+use ids::bind_ids;
 
 /// Where the decoder puts a field's value.
 pub type Slot = usize;
@@ -22,6 +28,8 @@ pub struct BoundRole {
     pub fields: Vec<FieldPath>,
     /// The ways to read a message, of which the first whose condition holds is used.
     pub readings: Vec<Reading>,
+    /// Fields that tell sources apart.
+    pub ids: Vec<BoundId>,
 }
 
 /// One way to read a message as a sample.
@@ -31,6 +39,7 @@ pub struct Reading {
     pub time: SampleTime<TimeSlots>,
     pub valid: Vec<Slot>,
     pub fields: RoleFields<Slot>,
+    pub frames: BoundFrames,
 }
 
 /// The slots that hold the time of a sample.
@@ -47,6 +56,7 @@ pub enum TimeSlots {
 pub fn bind_role(
     binder: &mut Binder,
     profile: &Profile,
+    said_by: SaidBy,
     kind: Kind,
     alternatives: &[&Alternative],
 ) -> Result<BoundRole, BindError> {
@@ -54,13 +64,15 @@ pub fn bind_role(
         kind,
         fields: Vec::new(),
         readings: Vec::new(),
+        ids: Vec::new(),
     };
     let mut nearest: Option<(f64, BindError)> = None;
     for alternative in alternatives {
         let fields = alternative.fields.fields();
-        match binder.attempt(|binder| bind_reading(binder, profile, alternative)) {
+        match binder.attempt(|binder| bind_reading(binder, profile, said_by, alternative)) {
             Ok(reading) => {
                 if role.readings.is_empty() {
+                    role.ids = bind_ids(binder, fields[0]);
                     role.fields = fields.into_iter().cloned().collect();
                 }
                 let needs_no_condition = reading.condition.is_none();
@@ -87,8 +99,10 @@ pub fn bind_role(
 fn bind_reading(
     binder: &mut Binder,
     profile: &Profile,
-    Alternative { location, fields }: &Alternative,
+    said_by: SaidBy,
+    alternative: &Alternative,
 ) -> Result<Reading, BindError> {
+    let Alternative { location, fields } = alternative;
     let condition = location.when.as_ref();
     Ok(Reading {
         condition: condition.map(|when| binder.condition(when)).transpose()?,
@@ -97,6 +111,7 @@ fn bind_reading(
             .map(|path| binder.number(path))
             .collect::<Result<_, _>>()?,
         time: binder.time(location.time.as_ref().unwrap_or(&profile.time))?,
+        frames: bind_frames(binder, alternative, said_by)?,
     })
 }
 

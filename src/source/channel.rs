@@ -1,11 +1,20 @@
 //! One channel of telemetry: its messages → samples.
 
+mod frames;
+mod ids;
+
 use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+pub use frames::RefusedFrames;
+use frames::{Conversion, FrameTracker};
+pub use ids::Id;
+use ids::SeenIds;
+
 use super::{
     bind::{BindError, BoundRole, Reading, Slot, TimeSlots},
+    frames::taken::ReadAs,
     profile::{
         AttitudeFields, Components, Condition, Coordinates, Euler, Orientation, Pitch, RoleFields,
         SampleTime, Test, convention::AngleUnit,
@@ -14,6 +23,7 @@ use super::{
 use crate::{
     decode::{
         field::Wanted,
+        path::FieldPath,
         schema::{MessageDecoder, MessageSchema},
         value::{FieldValue, Number, Slots, Undecodable},
     },
@@ -35,7 +45,28 @@ pub struct ChannelReader {
     decoder: Arc<MessageDecoder>,
     slots: Slots,
     roles: Arc<[BoundRole]>,
+    /// What was found in the messages, by role.
+    found: Vec<FoundInRole>,
     largest: LargestAngles,
+}
+
+/// What was found in the messages for one role.
+#[derive(Debug, Clone)]
+struct FoundInRole {
+    /// The frames of each reading.
+    frames: Vec<FrameTracker>,
+    ids: SeenIds,
+}
+
+/// Sources that are mixed on one topic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MixedSources {
+    /// What is read from them.
+    pub kind: Kind,
+    /// The field that tells them apart.
+    pub field: FieldPath,
+    /// Its values.
+    pub ids: Vec<Id>,
 }
 
 /// The largest of the attitude's Euler angles that were read as radians; 0 if there were none.
@@ -62,9 +93,14 @@ impl ChannelReader {
         wanted: &[Wanted],
         roles: Vec<BoundRole>,
     ) -> Result<Self, BindError> {
+        let found = roles.iter().map(|role| FoundInRole {
+            frames: vec![FrameTracker::default(); role.readings.len()],
+            ids: SeenIds::default(),
+        });
         Ok(Self {
             decoder: Arc::new(schema.decoder(wanted)?),
             slots: Slots::new(wanted),
+            found: found.collect(),
             roles: roles.into(),
             largest: LargestAngles::default(),
         })
@@ -79,11 +115,14 @@ impl ChannelReader {
         self.slots.clear();
         let decoded = self.decoder.decode(message.payload, &mut self.slots);
         let values = self.slots.values.as_slice();
-        for role in &*self.roles {
+        for (role, found) in self.roles.iter().zip(&mut self.found) {
             let sample = decoded.map_err(DropReason::from).and_then(|()| {
-                let reading = reading_for(role, values)?;
+                let place = reading_for(role, values)?;
+                let reading = &role.readings[place];
+                let conversion = found.frames[place].conversion(&reading.frames, values)?;
+                found.ids.note(&role.ids, values);
                 self.largest = self.largest.max(largest_angles(&reading.fields, values));
-                reading.sample(message, values)
+                reading.sample(message, values, conversion)
             });
             emit(role.kind, sample);
         }
@@ -98,6 +137,44 @@ impl ChannelReader {
     /// Merges what a clone has learnt from the messages that it read.
     pub fn merge(&mut self, clone: &Self) {
         self.largest = self.largest.max(clone.largest);
+        for (found, more) in self.found.iter_mut().zip(&clone.found) {
+            found.ids.merge(&more.ids);
+            for (frames, more) in found.frames.iter_mut().zip(&more.frames) {
+                frames.merge(more);
+            }
+        }
+    }
+
+    /// How samples of a kind were read.
+    pub fn read_as(&self, kind: Kind) -> impl Iterator<Item = &ReadAs> {
+        self.frames(kind).flat_map(|frames| &frames.taken)
+    }
+
+    /// Frames for which samples of a kind were dropped.
+    pub fn refused(&self, kind: Kind) -> impl Iterator<Item = &RefusedFrames> {
+        self.frames(kind).flat_map(|frames| &frames.refused)
+    }
+
+    fn frames(&self, kind: Kind) -> impl Iterator<Item = &FrameTracker> {
+        let of_roles = self.roles.iter().zip(&self.found);
+        of_roles
+            .filter(move |(role, _)| role.kind == kind)
+            .flat_map(|(_, found)| &found.frames)
+    }
+
+    /// A role whose samples come from several sources.
+    pub fn mixed_sources(&self) -> Option<MixedSources> {
+        self.roles
+            .iter()
+            .zip(&self.found)
+            .find_map(|(role, found)| {
+                let (place, ids) = found.ids.several()?;
+                Some(MixedSources {
+                    kind: role.kind,
+                    field: role.ids[place].field.clone(),
+                    ids: ids.to_vec(),
+                })
+            })
     }
 
     /// The largest Euler angles that were read as radians.
@@ -106,12 +183,12 @@ impl ChannelReader {
     }
 }
 
-/// The reading that applies to a message.
-fn reading_for<'a>(role: &'a BoundRole, values: &[FieldValue]) -> Result<&'a Reading, DropReason> {
-    for reading in &role.readings {
+/// The reading that applies to a message, by its place.
+fn reading_for(role: &BoundRole, values: &[FieldValue]) -> Result<usize, DropReason> {
+    for (place, reading) in role.readings.iter().enumerate() {
         match &reading.condition {
             Some(condition) if !condition.holds(values)? => {}
-            _ => return Ok(reading),
+            _ => return Ok(place),
         }
     }
     Err(DropReason::UnknownFrame)
@@ -130,7 +207,12 @@ impl Condition<Slot> {
 }
 
 impl Reading {
-    fn sample(&self, message: &RawMessage, values: &[FieldValue]) -> Result<Sample, DropReason> {
+    fn sample(
+        &self,
+        message: &RawMessage,
+        values: &[FieldValue],
+        conversion: Conversion,
+    ) -> Result<Sample, DropReason> {
         let stamp = Stamp {
             log_time: self.time.read(message, values)?,
             publish_time: message.publish_time,
@@ -138,7 +220,7 @@ impl Reading {
         let sample = match &self.fields {
             RoleFields::Attitude(attitude) => Sample::Attitude(AttitudeSample {
                 stamp,
-                orientation: (attitude.convention).attitude(attitude.orientation.read(values)?),
+                orientation: conversion.orientation(attitude.orientation.read(values)?),
                 reset_counter: match &attitude.reset_counter {
                     Some(counter) => Some(exact(values, counter.field)?.bits()),
                     None => None,
@@ -154,18 +236,17 @@ impl Reading {
                 }
                 Sample::Velocity(VelocitySample {
                     stamp,
-                    velocity: velocity.frame.velocity([x, y, z]),
+                    velocity: conversion.velocity(Vector3::new(x, y, z)),
                 })
             }
             RoleFields::Gimbal(gimbal) => Sample::Gimbal(GimbalSample {
                 stamp,
-                orientation: (gimbal.convention)
-                    .gimbal(gimbal.orientation.read(values)?, gimbal.reference),
+                orientation: conversion.orientation(gimbal.orientation.read(values)?),
                 reference: gimbal.reference,
             }),
             RoleFields::Position(coordinates) => Sample::Position(PositionSample {
                 stamp,
-                position: coordinates.read(values)?,
+                position: coordinates.read(values, conversion)?,
             }),
         };
         for &slot in &self.valid {
@@ -224,7 +305,7 @@ impl Orientation<Slot> {
             Self::Euler(euler) => {
                 let angles = euler.angles(values)?;
                 let [roll, pitch, yaw] = angles.map(|angle| euler.unit.to_radians(angle));
-                Ok(RollPitchYaw { roll, pitch, yaw }.to_quaternion())
+                Ok(euler.order.rotation(RollPitchYaw { roll, pitch, yaw }))
             }
             Self::Pitch(Pitch {
                 field,
@@ -247,7 +328,7 @@ impl Euler<Slot> {
 }
 
 impl Coordinates<Slot> {
-    fn read(&self, values: &[FieldValue]) -> Result<Position, DropReason> {
+    fn read(&self, values: &[FieldValue], conversion: Conversion) -> Result<Position, DropReason> {
         Ok(match self {
             &Self::Geodetic {
                 latitude,
@@ -268,14 +349,10 @@ impl Coordinates<Slot> {
                     altitude: altitude / altitude_unit.per_metre(),
                 }
             }
-            Self::Local {
-                vector,
-                frame,
-                unit,
-            } => {
+            Self::Local { vector, unit, .. } => {
                 let vector = vector.finite(values)?;
                 let metres = vector.map(|component| component / unit.per_metre());
-                Position::Local(frame.ned(metres))
+                Position::Local(conversion.place(metres.into()))
             }
         })
     }

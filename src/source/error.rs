@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, fmt, path::PathBuf, sync::Arc};
 
 use serde::{Serialize, Serializer};
 
-use super::bind::BindError;
+use super::{Id, bind::BindError};
 use crate::{
     decode::{error::quote, path::FieldPath},
     log::{Log, ReadError},
@@ -86,6 +86,21 @@ pub enum TelemetryError {
         profile: Foreign,
         misfit: Box<Misfit>,
         topics: LogTopics,
+    },
+
+    #[error(
+        "{}: several sources write to {topic}: its `{field}` is {}",
+        text::path(path),
+        text::join(ids, " or ")
+    )]
+    SeveralSources {
+        path: PathBuf,
+        topic: Foreign,
+        role: Kind,
+        /// The field that tells them apart.
+        field: FieldPath,
+        /// Its values.
+        ids: Vec<Id>,
     },
 
     /// The log cannot be read.
@@ -204,6 +219,11 @@ impl TopicMisfit {
     /// How many fields are missing in its messages.
     pub(super) fn missing_fields(&self) -> usize {
         self.cause.missing_fields()
+    }
+
+    /// Whether its messages have what is wanted, but it is not known how to read it.
+    pub(super) fn is_of_frames(&self) -> bool {
+        self.cause.is_of_frames()
     }
 
     /// Whether the fields of its messages cannot be known.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use mcap::records::Channel;
 
 use super::{
-    bind::{BindError, Binder, bind_role, for_type},
+    bind::{BindError, Binder, ChannelName, SaidBy, bind_role, for_type},
     pattern::{Pattern, is_within},
     profile::{Alternative, Profile},
     request::Request,
@@ -157,8 +157,12 @@ impl StreamFilter {
         profiles.any(|profile| {
             let mut velocity = profile.alternatives(Kind::Velocity).iter();
             let requires_velocity = velocity.any(|one| one.fields.is_required());
-            binds(&schema, profile, Kind::Attitude, name)
-                && (!requires_velocity || binds(&schema, profile, Kind::Velocity, name))
+            let channel = ChannelName {
+                topic: &channel.topic,
+                schema: name,
+            };
+            binds(&schema, profile, Kind::Attitude, channel)
+                && (!requires_velocity || binds(&schema, profile, Kind::Velocity, channel))
         })
     }
 }
@@ -175,8 +179,17 @@ fn without_topics<'p>(
 }
 
 /// Whether the fields of such alternatives are there, or there are no such alternatives.
-fn binds(schema: &MessageSchema, profile: &Profile, kind: Kind, schema_name: &str) -> bool {
-    without_topics(profile, kind, schema_name)
-        .and_then(|alternatives| bind_role(&mut Binder::new(schema), profile, kind, &alternatives))
+fn binds(schema: &MessageSchema, profile: &Profile, kind: Kind, channel: ChannelName) -> bool {
+    let mut binder = Binder::new(schema, channel);
+    without_topics(profile, kind, channel.schema)
+        .and_then(|alternatives| {
+            bind_role(
+                &mut binder,
+                profile,
+                SaidBy::TypeProfile,
+                kind,
+                &alternatives,
+            )
+        })
         .is_ok()
 }

@@ -300,9 +300,11 @@ fn every_key_of_a_profile_is_explained_and_every_explained_one_exists() {
 /// A profile that leaves all to the defaults.
 const MINIMAL: &str = r#"
     name = "minimal"
-    [attitude]
+    [[attitude]]
     orientation.quaternion = "q"
     reset_counter.field = "resets"
+    [[attitude]]
+    orientation.euler = { roll = "r", pitch = "p", yaw = "y", unit = "degrees" }
     [velocity]
     vector = "v"
     frame = "ned"

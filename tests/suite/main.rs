@@ -90,6 +90,8 @@ mod reader {
 
 mod source {
     mod arguments;
+    // What messages say about their axes.
+    mod frames;
     mod namespaces;
     // What would silently yield wrong numbers.
     mod pitfalls;

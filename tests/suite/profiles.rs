@@ -1,7 +1,7 @@
 //! Every built-in profile understands the flights that its publisher records: what follows for the camera is what
 //! follows from the same flight in the profile `flat`. And a profile with a convention error does not.
 
-mod comparison;
+pub mod comparison;
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -6,8 +6,12 @@ use flightcam::{
     Foreign, MissingReason,
     decode::path::{FieldPath, MessagePath},
     error::*,
-    sample::{Kind, Tally},
-    source::{Origin, request::BadArgument},
+    sample::{DropReason, Kind, Tally},
+    source::{
+        NamedFrame, Origin, Reading, RefusedFrames,
+        profile::convention::{Axes, SpeedUnit, WorldAxes},
+        request::BadArgument,
+    },
     text,
     writer::provenance::EarlierRun,
 };
@@ -226,6 +230,17 @@ fn no_error_says_a_name_unescaped() {
         needed: 2,
         topic: nasty(),
         tally: Tally::default(),
+        refused_frames: vec![RefusedFrames {
+            reason: DropReason::OwnFrame,
+            frames: vec![NamedFrame {
+                field: field(),
+                name: nasty(),
+            }],
+            said: Reading::Velocity {
+                axes: Axes::World(WorldAxes::NED),
+                unit: SpeedUnit::MetresPerSecond,
+            },
+        }],
     };
     let displayed = [
         reason.to_string(),
@@ -254,7 +269,7 @@ fn no_error_says_a_name_unescaped() {
         BadArgument::SeveralTopics { topics: two() },
         BadArgument::UnknownWord {
             word: nasty(),
-            known: &[&["m"]],
+            known: vec![&["m"]],
         },
         BadArgument::LeftOver { word: nasty() },
         BadArgument::NoFields {

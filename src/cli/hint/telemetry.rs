@@ -32,6 +32,17 @@ pub fn hint(error: &TelemetryError) -> Option<String> {
             "--namespace",
             (namespaces.iter()).find_map(|namespace| namespace_argument(namespace)),
         ),
+        TelemetryError::SeveralSources {
+            role,
+            topic,
+            field,
+            ids,
+            ..
+        } => {
+            let example = ids.first().map(|id| format!("{topic}{{{field}=={id}}}"));
+            let option = format!("--{}", role.name());
+            choose_one(&option, example.as_deref().and_then(in_shell))
+        }
         TelemetryError::NoSuchNamespace { .. } => "correct --namespace, or leave it out".to_owned(),
         TelemetryError::RoleDoesNotFit { role, .. } => {
             format!("correct --{}, or leave it out", role.name())

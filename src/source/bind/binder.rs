@@ -1,6 +1,6 @@
 //! Resolving a profile's fields against the schema of one channel.
 
-use super::{BindError, Slot, TimeSlots};
+use super::{BindError, ChannelName, Slot, TimeSlots};
 use crate::{
     decode::{
         error::{Expected, SchemaError},
@@ -23,6 +23,8 @@ const XYZ: [&str; 3] = ["x", "y", "z"];
 #[derive(Debug)]
 pub struct Binder<'a> {
     schema: &'a MessageSchema<'a>,
+    /// The channel.
+    pub channel: ChannelName<'a>,
     /// The fields that were resolved, in the order of their slots.
     pub wanted: Vec<Wanted>,
     /// The fields that are missing in the schema. They are reported all at once.
@@ -31,9 +33,10 @@ pub struct Binder<'a> {
 
 impl<'a> Binder<'a> {
     /// Starts with nothing resolved.
-    pub fn new(schema: &'a MessageSchema<'a>) -> Self {
+    pub fn new(schema: &'a MessageSchema<'a>, channel: ChannelName<'a>) -> Self {
         Self {
             schema,
+            channel,
             wanted: Vec::new(),
             missing: None,
         }
@@ -51,10 +54,11 @@ impl<'a> Binder<'a> {
         let already_wanted = self.wanted.len();
         let resolved = resolve(self);
         let missing = self.missing.take();
-        let resolved = resolved.and_then(|resolved| match missing {
-            Some(missing) => Err(missing.into()),
-            None => Ok(resolved),
-        });
+        let resolved = match (resolved, missing) {
+            (Err(error), Some(missing)) if error.is_of_frames() => Err(missing.into()),
+            (Ok(_), Some(missing)) => Err(missing.into()),
+            (resolved, _) => resolved,
+        };
         if resolved.is_err() {
             self.wanted.truncate(already_wanted);
         }
@@ -126,6 +130,7 @@ impl<'a> Binder<'a> {
                 pitch: self.number(&euler.pitch)?,
                 yaw: self.number(&euler.yaw)?,
                 unit: euler.unit,
+                order: euler.order,
             }),
             Orientation::Pitch(pitch) => Orientation::Pitch(Pitch {
                 field: self.number(&pitch.field)?,
@@ -180,14 +185,35 @@ impl<'a> Binder<'a> {
         &mut self,
         OptionalField { field, optional }: &OptionalField,
     ) -> Result<Option<OptionalField<Slot>>, BindError> {
-        let is_number = |kind: FieldKind| kind.is_a(Shape::Number);
-        if *optional && !self.schema.kind_of(field).is_ok_and(is_number) {
-            return Ok(None);
-        }
-        Ok(Some(OptionalField {
-            field: self.number(field)?,
+        let slot = match optional {
+            true => self.number_if_there(field),
+            false => Some(self.number(field)?),
+        };
+        Ok(slot.map(|field| OptionalField {
+            field,
             optional: *optional,
         }))
+    }
+
+    /// Resolves a number, if the schema has it.
+    pub fn number_if_there(&mut self, path: &FieldPath) -> Option<Slot> {
+        self.if_there(path, &[Shape::Number])
+    }
+
+    /// Resolves a text, if the schema has it.
+    pub fn text_if_there(&mut self, path: &FieldPath) -> Option<Slot> {
+        self.if_there(path, &[Shape::Text])
+    }
+
+    /// Resolves a number or a text, if the schema has it.
+    pub fn id_if_there(&mut self, path: &FieldPath) -> Option<Slot> {
+        self.if_there(path, &[Shape::Number, Shape::Text])
+    }
+
+    fn if_there(&mut self, path: &FieldPath, shapes: &[Shape]) -> Option<Slot> {
+        let kind = self.schema.kind_of(path).ok()?;
+        let shape = shapes.iter().find(|shape| kind.is_a(**shape))?;
+        Some(self.slot(path, *shape))
     }
 
     /// Resolves a number.

@@ -26,6 +26,14 @@ pub enum BindError {
         FieldValue::LONGEST_TEXT
     )]
     LongText { path: FieldPath },
+
+    #[error("nothing says in which axes its quaternion `{path}` is, such as frd-ned or flu-enu")]
+    NoAxes { path: FieldPath },
+
+    #[error(
+        "MAVROS writes this velocity in east, north and down, or since June 2026 up, whatever it names its frame"
+    )]
+    BrokenRule,
 }
 
 impl BindError {
@@ -42,13 +50,21 @@ impl BindError {
         match self {
             Self::Schema(error) => error.missing_fields(),
             Self::OtherType { .. } => usize::MAX,
-            Self::NoUnit { .. } | Self::LongText { .. } => 1,
+            Self::NoUnit { .. }
+            | Self::LongText { .. }
+            | Self::NoAxes { .. }
+            | Self::BrokenRule => 1,
         }
     }
 
     /// Whether the fields of the messages cannot be known.
     pub fn is_opaque(&self) -> bool {
         matches!(self, Self::Schema(error) if error.is_opaque())
+    }
+
+    /// Whether it is not known in which axes the messages have what is wanted.
+    pub fn is_of_frames(&self) -> bool {
+        matches!(self, Self::NoAxes { .. } | Self::BrokenRule)
     }
 
     /// Whether the log could not be read.

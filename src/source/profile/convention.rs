@@ -1,10 +1,13 @@
 //! The conventions that logs differ in: units, frames, orders, signs, and how to get from each to flightcam's
 //! own (radians, metres, NED, FRD, w first).
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+mod orientation;
+
+use nalgebra::Quaternion;
 use serde::{Deserialize, Serialize};
 
-use crate::sample::{GimbalReference, Velocity};
+pub use crate::geometry::axes::{Axes, BodyAxes, NotAxes, WorldAxes};
+pub use orientation::{Convention, EulerOrder, FrameChange, NotAConvention};
 
 /// The unit of an angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
@@ -149,94 +152,6 @@ impl QuaternionOrder {
         match self {
             Self::Wxyz => Quaternion::new(a, b, c, d),
             Self::Xyzw => Quaternion::new(d, a, b, c),
-        }
-    }
-}
-
-/// The frames between which an attitude turns.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Convention {
-    /// Turns front, right, down into north, east, down: aerospace, MAVLink, PX4.
-    #[default]
-    FrdNed,
-    /// Turns front, left, up into east, north, up: ROS (REP 103, <https://www.ros.org/reps/rep-0103.html>).
-    FluEnu,
-}
-
-impl Convention {
-    /// Converts an attitude in this convention to `q_ned_frd`.
-    pub fn attitude(self, q: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-        match self {
-            Self::FrdNed => q,
-            Self::FluEnu => q_ned_enu() * q * q_flu_frd(),
-        }
-    }
-
-    /// Converts a gimbal's orientation in this convention to one with z axes down.
-    pub fn gimbal(self, q: UnitQuaternion<f64>, reference: GimbalReference) -> UnitQuaternion<f64> {
-        match (self, reference) {
-            (Self::FluEnu, GimbalReference::Heading | GimbalReference::Airframe) => {
-                q_flu_frd() * q * q_flu_frd()
-            }
-            _ => self.attitude(q),
-        }
-    }
-}
-
-/// Half a turn about the horizontal diagonal swaps north with east and up with down.
-fn q_ned_enu() -> UnitQuaternion<f64> {
-    let half = std::f64::consts::FRAC_1_SQRT_2;
-    UnitQuaternion::new_unchecked(Quaternion::new(0.0, half, half, 0.0))
-}
-
-/// Half a turn about the front axis, which is its own inverse up to the sign.
-fn q_flu_frd() -> UnitQuaternion<f64> {
-    UnitQuaternion::new_unchecked(Quaternion::new(0.0, 1.0, 0.0, 0.0))
-}
-
-/// The axes of a velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum VelocityFrame {
-    /// North, east, down.
-    Ned,
-    /// East, north, up.
-    Enu,
-    /// The drone's front, right, down.
-    BodyFrd,
-    /// The drone's front, left, up.
-    BodyFlu,
-}
-
-impl VelocityFrame {
-    /// Converts a velocity in m/s from these axes.
-    pub fn velocity(self, [x, y, z]: [f64; 3]) -> Velocity {
-        match self {
-            Self::Ned => Velocity::Ned(Vector3::new(x, y, z)),
-            Self::Enu => Velocity::Ned(Vector3::new(y, x, -z)),
-            Self::BodyFrd => Velocity::Frd(Vector3::new(x, y, z)),
-            Self::BodyFlu => Velocity::Frd(Vector3::new(x, -y, -z)),
-        }
-    }
-}
-
-/// The axes of a local position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PositionFrame {
-    /// North, east, down.
-    Ned,
-    /// East, north, up.
-    Enu,
-}
-
-impl PositionFrame {
-    /// Converts a position in metres from these axes to north, east and down.
-    pub fn ned(self, [x, y, z]: [f64; 3]) -> Vector3<f64> {
-        match self {
-            Self::Ned => Vector3::new(x, y, z),
-            Self::Enu => Vector3::new(y, x, -z),
         }
     }
 }

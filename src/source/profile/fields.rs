@@ -8,8 +8,8 @@ use toml::Value;
 use super::{
     components::Components,
     convention::{
-        AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection, QuaternionOrder,
-        SpeedUnit, VelocityFrame,
+        AngleUnit, Axes, Convention, EulerOrder, LengthUnit, PositiveDirection, QuaternionOrder,
+        SpeedUnit, WorldAxes,
     },
     error::BadRole,
 };
@@ -38,9 +38,10 @@ pub enum RoleFields<F = FieldPath> {
 pub struct AttitudeFields<F = FieldPath> {
     /// How the drone is turned; not a [`Pitch`] alone.
     pub orientation: Orientation<F>,
-    /// The frames between which the orientation turns.
-    #[serde(default)]
-    pub convention: Convention,
+    /// The frames between which the orientation turns. If it is not given, the type of the messages has to tell, or
+    /// else angles are taken to turn front, right, down into north, east, down.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub convention: Option<Convention>,
     /// A count of the estimator's jumps.
     pub reset_counter: Option<OptionalField<F>>,
 }
@@ -52,7 +53,7 @@ pub struct VelocityFields<F = FieldPath> {
     /// The velocity.
     pub vector: Components<3, F>,
     /// Its axes.
-    pub frame: VelocityFrame,
+    pub frame: Axes,
     /// Its unit.
     #[serde(default)]
     pub unit: SpeedUnit,
@@ -69,10 +70,10 @@ pub struct GimbalFields<F = FieldPath> {
     pub orientation: Orientation<F>,
     /// What the angles are measured from.
     pub reference: GimbalReference,
-    /// The frames between which the orientation turns: [`Convention::FluEnu`] if camera and reference have their z axes
-    /// up.
-    #[serde(default)]
-    pub convention: Convention,
+    /// The frames between which the orientation turns: [`Convention::FLU_ENU`] if camera and reference have their z axes
+    /// up. If it is not given: as for an attitude.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub convention: Option<Convention>,
 }
 
 /// The drone's position.
@@ -102,7 +103,7 @@ pub enum Coordinates<F = FieldPath> {
         /// The position.
         vector: Components<3, F>,
         /// Its axes.
-        frame: PositionFrame,
+        frame: WorldAxes,
         /// Its unit.
         #[serde(default)]
         unit: LengthUnit,
@@ -119,7 +120,7 @@ pub enum Coordinates<F = FieldPath> {
 pub enum Orientation<F = FieldPath> {
     /// A rotation.
     Quaternion(Quaternion<F>),
-    /// Fixed-axis roll, pitch, yaw (intrinsic ZYX).
+    /// Roll, pitch, yaw.
     Euler(Euler<F>),
     /// The angle of a gimbal's optical axis above the horizon alone: no roll, and no yaw.
     Pitch(Pitch<F>),
@@ -135,7 +136,7 @@ pub struct Quaternion<F = FieldPath> {
     pub order: QuaternionOrder,
 }
 
-/// Fixed-axis angles, `R = Rz(yaw) Ry(pitch) Rx(roll)`.
+/// Three angles, by default `R = Rz(yaw) Ry(pitch) Rx(roll)`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Euler<F = FieldPath> {
@@ -147,6 +148,9 @@ pub struct Euler<F = FieldPath> {
     pub yaw: F,
     /// The unit of all three.
     pub unit: AngleUnit,
+    /// The order in which they turn.
+    #[serde(default)]
+    pub order: EulerOrder,
 }
 
 /// A pitch angle alone.
@@ -217,8 +221,8 @@ impl<F> RoleFields<F> {
                 convention,
             }) => match (reference, convention) {
                 (GimbalReference::Earth, _) => Err(BadRole::PitchFromNorth),
-                (_, Convention::FluEnu) => Err(BadRole::PitchWithConvention),
-                (_, Convention::FrdNed) => Ok(()),
+                (_, None | Some(Convention::FRD_NED)) => Ok(()),
+                (_, Some(_)) => Err(BadRole::PitchWithConvention),
             },
             _ => Ok(()),
         }

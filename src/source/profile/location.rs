@@ -21,6 +21,8 @@ pub struct Location {
     pub when: Option<Condition>,
     /// Fields of which each must be true (not 0) for a sample to be valid.
     pub valid: Vec<FieldPath>,
+    /// Whether the frames that messages name are wrong, and not what their axes go by.
+    pub ignore_frame_ids: bool,
     /// What the time of a sample is, if it is not the profile's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<SampleTime>,

@@ -12,7 +12,7 @@ use crate::{
     source::profile::{
         Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
         Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
-        convention::{AngleUnit, Convention, PositionFrame},
+        convention::{AngleUnit, Axes, WorldAxes},
     },
 };
 
@@ -74,10 +74,10 @@ fn attitude(fields: &[FieldPath], words: &mut Words) -> Result<AttitudeFields, B
     Ok(AttitudeFields {
         orientation: match (fields, unit) {
             ([_, _, _], None) => return Err(BadArgument::NoAngleUnit),
-            (fields, Some(unit)) => Orientation::Euler(euler(role, fields, unit)?),
+            (fields, Some(unit)) => Orientation::Euler(euler(role, fields, unit, words)?),
             (fields, None) => Orientation::Quaternion(quaternion(role, fields, words)?),
         },
-        convention: words.take().unwrap_or_default(),
+        convention: words.take(),
         reset_counter: None,
     })
 }
@@ -85,7 +85,7 @@ fn attitude(fields: &[FieldPath], words: &mut Words) -> Result<AttitudeFields, B
 fn velocity(fields: &[FieldPath], words: &mut Words) -> Result<VelocityFields, BadArgument> {
     Ok(VelocityFields {
         vector: components(Kind::Velocity, fields)?,
-        frame: words.take().ok_or(BadArgument::NoAxes)?,
+        frame: words.take::<Axes>().ok_or(BadArgument::NoAxes)?,
         unit: words.take().unwrap_or_default(),
         required: false,
     })
@@ -105,10 +105,10 @@ fn gimbal(fields: &[FieldPath], words: &mut Words) -> Result<GimbalFields, BadAr
                 // A pitch alone has no yaw that would be measured from a reference.
                 reference: words.take().unwrap_or(GimbalReference::Heading),
                 // `up` and `down` say its sign.
-                convention: Convention::default(),
+                convention: None,
             });
         }
-        (fields, Some(unit)) => Orientation::Euler(euler(role, fields, unit)?),
+        (fields, Some(unit)) => Orientation::Euler(euler(role, fields, unit, words)?),
         ([_], None) if !words.has(REFERENCES) => return Err(BadArgument::PitchOrQuaternion),
         ([_, _, _], None) => return Err(BadArgument::NoAngleUnit),
         (fields, None) => Orientation::Quaternion(quaternion(role, fields, words)?),
@@ -116,13 +116,13 @@ fn gimbal(fields: &[FieldPath], words: &mut Words) -> Result<GimbalFields, BadAr
     Ok(GimbalFields {
         orientation,
         reference: words.take().ok_or(BadArgument::NoReference)?,
-        convention: words.take().unwrap_or_default(),
+        convention: words.take(),
     })
 }
 
 fn position(fields: &[FieldPath], words: &mut Words) -> Result<Coordinates, BadArgument> {
     let unit: Option<AngleUnit> = words.take();
-    let frame: Option<PositionFrame> = words.take();
+    let frame: Option<WorldAxes> = words.take();
     match (unit, frame, fields) {
         (Some(unit), None, [latitude, longitude, altitude]) => Ok(Coordinates::Geodetic {
             latitude: latitude.clone(),
@@ -160,7 +160,12 @@ fn quaternion(
     })
 }
 
-fn euler(role: Kind, fields: &[FieldPath], unit: AngleUnit) -> Result<Euler, BadArgument> {
+fn euler(
+    role: Kind,
+    fields: &[FieldPath],
+    unit: AngleUnit,
+    words: &mut Words,
+) -> Result<Euler, BadArgument> {
     let [roll, pitch, yaw] = fields else {
         return Err(BadArgument::NoAngles { role });
     };
@@ -169,6 +174,7 @@ fn euler(role: Kind, fields: &[FieldPath], unit: AngleUnit) -> Result<Euler, Bad
         pitch: pitch.clone(),
         yaw: yaw.clone(),
         unit,
+        order: words.take().unwrap_or_default(),
     })
 }
 

@@ -1,7 +1,11 @@
 //! What can be wrong with an argument.
 
-use super::parts::Vocabulary;
-use crate::{decode::path::NotAPath, sample::Kind, source::profile::BadRole, text::Foreign};
+use crate::{
+    decode::path::NotAPath,
+    sample::Kind,
+    source::profile::{BadRole, convention::NotAConvention},
+    text::Foreign,
+};
 
 /// What is wrong with an argument.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -22,7 +26,11 @@ pub enum BadArgument {
         "`{word}` has no meaning here; after a colon there can be {}",
         in_words(known)
     )]
-    UnknownWord { word: Foreign, known: Vocabulary },
+    UnknownWord {
+        word: Foreign,
+        /// The words that would have a meaning, in groups of which there can be one each.
+        known: Vec<&'static [&'static str]>,
+    },
 
     #[error("`{word}` does not go with the rest of the argument")]
     LeftOver { word: Foreign },
@@ -43,7 +51,8 @@ pub enum BadArgument {
     NoAngles { role: Kind },
 
     #[error(
-        "a velocity needs its axes: `:ned`, `:enu`, `:body-frd` or `:body-flu` after the fields"
+        "a velocity needs its axes: `:ned`, `:enu`, `:body-frd` or `:body-flu` after the fields, or any other three \
+         letters, one for each component"
     )]
     NoAxes,
 
@@ -65,6 +74,9 @@ pub enum BadArgument {
         takes(Kind::Position)
     )]
     NotAPosition,
+
+    #[error(transparent)]
+    Convention(NotAConvention),
 
     #[error(transparent)]
     Role(#[from] BadRole),
@@ -100,8 +112,8 @@ fn angles(role: Kind) -> &'static str {
     }
 }
 
-fn in_words(vocabulary: Vocabulary) -> String {
-    let groups = vocabulary.iter().map(|group| match group {
+fn in_words(known: &[&[&str]]) -> String {
+    let groups = known.iter().map(|group| match group {
         [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
         group => group.concat(),
     });

@@ -8,6 +8,7 @@ use super::BadArgument;
 use crate::{
     decode::path::{FieldPath, MessagePath},
     sample::Kind,
+    source::profile::convention::{Axes, Convention, NotAConvention, WorldAxes},
 };
 
 /// The parts of an argument: the topic, its fields, and the words after the colons.
@@ -33,18 +34,23 @@ impl Words {
     }
 
     /// Whether one of these words is there.
-    pub fn has(&self, group: &[&str]) -> bool {
-        self.0.iter().any(|word| group.contains(&word.as_str()))
+    pub fn has(&self, group: Group) -> bool {
+        self.0.iter().any(|word| group.has(word))
     }
 
     /// Rejects unknown words.
     pub fn check(&self, known: Vocabulary) -> Result<(), BadArgument> {
-        let is_unknown = |word: &&String| !known.iter().any(|group| group.contains(&word.as_str()));
+        let is_unknown = |word: &&String| !known.iter().any(|group| group.has(word));
         match self.0.iter().find(is_unknown) {
             None => Ok(()),
-            Some(word) => Err(BadArgument::UnknownWord {
-                word: word.into(),
-                known,
+            Some(word) => Err(match word.parse::<Convention>() {
+                Err(problem @ NotAConvention::LeftHanded { .. }) => {
+                    BadArgument::Convention(problem)
+                }
+                _ => BadArgument::UnknownWord {
+                    word: word.into(),
+                    known: known.iter().map(|group| group.words).collect(),
+                },
             }),
         }
     }
@@ -59,34 +65,73 @@ impl Words {
 }
 
 /// The words that an argument can have, at most one from each group.
-pub type Vocabulary = &'static [&'static [&'static str]];
+pub type Vocabulary = &'static [Group];
 
-const ANGLE_UNITS: &[&str] = &["radians", "degrees", "centidegrees"];
-const QUATERNION_ORDERS: &[&str] = &["wxyz", "xyzw"];
-pub const REFERENCES: &[&str] = &["earth", "heading", "airframe"];
-const CONVENTIONS: &[&str] = &["frd-ned", "flu-enu"];
-pub const TIME_UNITS: Vocabulary = &[&["s", "ms", "us", "ns"]];
+/// Words of which an argument has at most one.
+#[derive(Debug, Clone, Copy)]
+pub struct Group {
+    /// All of them, or the usual ones.
+    pub words: &'static [&'static str],
+    /// Whether others belong to them too.
+    others: fn(&str) -> bool,
+}
+
+impl Group {
+    const fn of(words: &'static [&'static str]) -> Self {
+        Self {
+            words,
+            others: |_| false,
+        }
+    }
+
+    fn has(&self, word: &str) -> bool {
+        self.words.contains(&word) || (self.others)(word)
+    }
+}
+
+const ANGLE_UNITS: Group = Group::of(&["radians", "degrees", "centidegrees"]);
+const QUATERNION_ORDERS: Group = Group::of(&["wxyz", "xyzw"]);
+const EULER_ORDERS: Group = Group::of(&[
+    "yaw-pitch-roll",
+    "yaw-roll-pitch",
+    "pitch-yaw-roll",
+    "pitch-roll-yaw",
+    "roll-yaw-pitch",
+    "roll-pitch-yaw",
+]);
+pub const REFERENCES: Group = Group::of(&["earth", "heading", "airframe"]);
+const CONVENTIONS: Group = Group {
+    words: &["frd-ned", "flu-enu"],
+    others: |word| word.parse::<Convention>().is_ok(),
+};
+const AXES: Group = Group {
+    words: &["ned", "enu", "neu", "body-frd", "body-flu"],
+    others: |word| word.parse::<Axes>().is_ok(),
+};
+const WORLD_AXES: Group = Group {
+    words: &["ned", "enu"],
+    others: |word| word.parse::<WorldAxes>().is_ok(),
+};
+const SPEED_UNITS: Group = Group::of(&["m/s", "cm/s", "mm/s"]);
+const DIRECTIONS: Group = Group::of(&["up", "down"]);
+const GLOBE_UNITS: Group = Group::of(&["radians", "degrees", "degE7"]);
+const LENGTH_UNITS: Group = Group::of(&["m", "cm", "mm"]);
+pub const TIME_UNITS: Vocabulary = &[Group::of(&["s", "ms", "us", "ns"])];
 
 /// The words that a role's argument can have.
 pub fn vocabulary(role: Kind) -> Vocabulary {
     match role {
-        Kind::Attitude => &[ANGLE_UNITS, QUATERNION_ORDERS, CONVENTIONS],
-        Kind::Velocity => &[
-            &["ned", "enu", "body-frd", "body-flu"],
-            &["m/s", "cm/s", "mm/s"],
-        ],
+        Kind::Attitude => &[ANGLE_UNITS, EULER_ORDERS, QUATERNION_ORDERS, CONVENTIONS],
+        Kind::Velocity => &[AXES, SPEED_UNITS],
         Kind::Gimbal => &[
             ANGLE_UNITS,
-            &["up", "down"],
+            DIRECTIONS,
+            EULER_ORDERS,
             QUATERNION_ORDERS,
             REFERENCES,
             CONVENTIONS,
         ],
-        Kind::Position => &[
-            &["radians", "degrees", "degE7"],
-            &["ned", "enu"],
-            &["m", "cm", "mm"],
-        ],
+        Kind::Position => &[GLOBE_UNITS, WORLD_AXES, LENGTH_UNITS],
     }
 }
 

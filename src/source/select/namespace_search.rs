@@ -5,13 +5,16 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::Channel;
 
-use super::{Fit, LogSearch};
+use super::{
+    Fit, LogSearch,
+    fit::{Specificity, specificity},
+};
 use crate::{
     log::ReadError,
     sample::Kind,
     source::{
         Origin,
-        bind::{BindError, Binder, BoundRole, bind_role, for_type},
+        bind::{BindError, Binder, BoundRole, ChannelName, SaidBy, bind_role, for_type},
         channel::ChannelReader,
         error::{LogTopics, Misfit, TelemetryError, TopicMisfit, Unfit},
         pattern::Pattern,
@@ -72,7 +75,7 @@ impl NamespaceSearch<'_> {
     /// Whether the profile does not fit if a role is missing for this reason.
     fn needs(&self, kind: Kind, misfit: &Misfit) -> bool {
         // There are messages where the profile expects the velocity, but they are not what it expects.
-        let is_fault = matches!(misfit, Misfit::Messages(_));
+        let is_fault = matches!(misfit, Misfit::Messages(misfit) if !misfit.is_of_frames());
         self.requires(kind) || kind == Kind::Velocity && is_fault
     }
 
@@ -177,13 +180,36 @@ impl NamespaceSearch<'_> {
         for channel in &self.log_search.topics[topic] {
             let alternatives = self.for_channel(channel, alternatives)?;
             let schema = self.log_search.schema(channel)?;
-            let mut binder = Binder::new(&schema);
-            fields = bind_role(&mut binder, self.profile, kind, &alternatives)?.fields;
+            let mut binder = Binder::new(&schema, self.name_of(channel));
+            let role = bind_role(
+                &mut binder,
+                self.profile,
+                self.said_by(kind),
+                kind,
+                &alternatives,
+            )?;
+            fields = role.fields;
         }
         Ok(Origin {
             topic: topic.into(),
             fields,
         })
+    }
+
+    /// Who says how a role is read.
+    fn said_by(&self, kind: Kind) -> SaidBy {
+        match self.log_search.requested.get(&kind) {
+            Some(RoleArgument::Fields(_)) => SaidBy::User,
+            _ if specificity(self.profile) == Specificity::Topic => SaidBy::RecorderProfile,
+            _ => SaidBy::TypeProfile,
+        }
+    }
+
+    fn name_of<'c>(&'c self, channel: &'c Channel) -> ChannelName<'c> {
+        ChannelName {
+            topic: &channel.topic,
+            schema: self.log_search.schema_name(channel),
+        }
     }
 
     /// Those alternatives that are meant for a channel's type of message.
@@ -248,11 +274,12 @@ impl NamespaceSearch<'_> {
         own: &str,
     ) -> Result<ChannelReader, BindError> {
         let schema = self.log_search.schema(channel)?;
-        let mut binder = Binder::new(&schema);
+        let mut binder = Binder::new(&schema, self.name_of(channel));
         let bind = |kind| {
             let alternatives = self.at_topic(kind, &channel.topic, own);
             let alternatives = self.for_channel(channel, &alternatives)?;
-            bind_role(&mut binder, self.profile, kind, &alternatives)
+            let said_by = self.said_by(kind);
+            bind_role(&mut binder, self.profile, said_by, kind, &alternatives)
         };
         let roles: Vec<BoundRole> = kinds.map(bind).collect::<Result<_, _>>()?;
         ChannelReader::new(&schema, &binder.wanted, roles)

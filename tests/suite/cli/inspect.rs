@@ -48,11 +48,14 @@ Log         flight.mcap: 210.26 KiB, 3,416 messages on 4 topics
 Profile     flat, chosen because /drone/state has roll, pitch, yaw
 Camera      not known from the log; give enrich --depression or --mount
 Attitude    /drone/state (demo.DroneState, protobuf): roll, pitch, yaw
+            roll, pitch, yaw in radians, in frd-ned, as the profile says
             at first roll 0.6°, pitch -0.4°, yaw 75.0°
 Velocity    /drone/state (demo.DroneState, protobuf): vx, vy, vz
+            m/s in ned, as the profile says
             at first north 0.00, east 0.00, down 0.00 m/s
 Gimbal      none: the profile `flat` has no gimbal
 Position    /drone/state (demo.DroneState, protobuf): latitude, longitude, altitude
+            latitude and longitude in degrees, altitude in m, as the profile says
             at first 47.397742° N, 8.545594° E, 535.3 m
 
           messages     rate  largest gap  invalid    from       to
@@ -87,7 +90,7 @@ fn small_log() -> Folder {
 fn the_json_has_every_number_under_names_that_scripts_rely_on() {
     let mut report = reports(&small_log(), "--profile flat --depression 30", 0);
     let length = small_log().read(LOG).len();
-    let role = |fields: [&str; 3], used: u64, dropped: Value, first: Value| {
+    let role = |fields: [&str; 3], used: u64, dropped: Value, read_as: Value, first: Value| {
         json!({
             "topic": "/drone/state",
             "fields": fields,
@@ -100,6 +103,7 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
             "read": 5,
             "used": used,
             "dropped": dropped,
+            "read_as": [read_as],
             "share_invalid": (5 - used) as f64 / 5.0,
             "first": first,
         })
@@ -115,6 +119,14 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
         "pitch_deg": null,
         "yaw_deg": 0.0,
     });
+    let angles = json!({
+        "kind": "angles",
+        "axes": "frd-ned",
+        "unit": "radians",
+        "order": "yaw-pitch-roll",
+        "because": "profile",
+    });
+    let vector = json!({ "kind": "velocity", "axes": "ned", "unit": "m/s", "because": "profile" });
     let velocity = json!({ "kind": "velocity_ned", "north": 3.0, "east": -1.0, "down": 0.2 });
     let expected = json!({
         "input": LOG,
@@ -134,8 +146,8 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
             "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
             "roles": {
                 "gimbal": { "missing": { "kind": "not_in_profile", "profile": "flat", "role": "gimbal" } },
-                "attitude": role(["roll", "pitch", "yaw"], 4, json!({ "missing_field": 1 }), attitude),
-                "velocity": role(["vx", "vy", "vz"], 5, json!({}), velocity),
+                "attitude": role(["roll", "pitch", "yaw"], 4, json!({ "missing_field": 1 }), angles, attitude),
+                "velocity": role(["vx", "vy", "vz"], 5, json!({}), vector, velocity),
                 "position": null,
             },
             "would_write": [

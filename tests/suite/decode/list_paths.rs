@@ -364,6 +364,7 @@ fn a_json_list_may_hold_numbers_as_strings() {
         [attitude]
         topics = ["/t"]
         orientation.quaternion = "q"
+        convention = "frd-ned"
     "#;
     let log = json_log(&[
         r#"{"q":["1","0.0",0,"-0"]}"#,

@@ -16,7 +16,7 @@ use crate::support::{
 const COUNT: u32 = 50;
 
 /// The arguments for a profile that reads `/pose`: a quaternion `q`, and a velocity `v` to the north.
-const POSE: &str = "--depression 30 --attitude /pose.q --velocity /pose.v:ned";
+const POSE: &str = "--depression 30 --attitude /pose.q:frd-ned --velocity /pose.v:ned";
 
 fn enrich(arguments: &str) -> String {
     format!("enrich {LOG} {arguments}")
@@ -193,7 +193,7 @@ mod fields {
 
     #[test]
     fn a_json_number_may_be_in_quotes() {
-        let arguments = "--depression 30 --attitude /pose.q[0],/pose.q[1],/pose.q[2],/pose.q[3] --velocity /pose.v[0],/pose.v[1],/pose.v[2]:ned";
+        let arguments = "--depression 30 --attitude /pose.q[0],/pose.q[1],/pose.q[2],/pose.q[3]:frd-ned --velocity /pose.v[0],/pose.v[1],/pose.v[2]:ned";
         let plain = folder(&[poses(|_, _| {})]);
         plain.reports(&enrich(arguments), 0);
         let quoted = folder(&[poses(|_, message| {
@@ -362,7 +362,12 @@ fn a_quaternion_far_from_unit_length_is_dropped_and_one_near_it_normalised() {
     let report = near.reports(&enrich(POSE), 0);
     assert_eq!(
         report["attitude"],
-        json!({ "topic": "/pose", "used": COUNT, "dropped": {} })
+        json!({
+            "topic": "/pose",
+            "used": COUNT,
+            "dropped": {},
+            "read_as": [{ "kind": "quaternion", "axes": "frd-ned", "because": "given" }],
+        })
     );
     let numbers = |folder: &Folder| {
         let messages = support::stream(&folder.read(RESULT), false).into_iter();

@@ -368,6 +368,7 @@ proptest! {
             [attitude]
             topics = ["/state"]
             orientation.quaternion = ["roll", "pitch", "yaw", "vx"]
+            convention = "frd-ned"
         "#;
         let usable = [[1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1e-170]];
         let quaternions = [&usable[..], &quaternions[..]].concat();

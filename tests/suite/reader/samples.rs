@@ -136,6 +136,7 @@ const NESTED_PROFILE: &str = r#"
     [attitude]
     topics = ["/none", "/pose"]
     orientation.quaternion = "pose.q"
+    convention = "frd-ned"
     reset_counter = { field = "pose.resets", optional = true }
     [velocity]
     vector = ["pose.speed.x", "pose.speed.y", "pose.speed.z"]
@@ -347,6 +348,7 @@ fn a_json_list_within_a_list_is_not_a_list_of_numbers() {
         name = "lists"
         [attitude]
         orientation.quaternion = "/json.q"
+        convention = "frd-ned"
     "#;
     let mut log = Logbook::new();
     let channel = log.json("/json");

@@ -8,8 +8,8 @@ use flightcam::{
             Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
             Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
             convention::{
-                AngleUnit, Convention, LengthUnit, PositionFrame, PositiveDirection,
-                QuaternionOrder, SpeedUnit, TimeUnit, VelocityFrame,
+                AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit, PositiveDirection,
+                QuaternionOrder, SpeedUnit, TimeUnit, WorldAxes,
             },
         },
         request::{BadArgument, RoleArgument, namespace},
@@ -55,10 +55,14 @@ fn complains(role: Kind, cases: &[(&str, &str)]) {
 mod attitude {
     use super::*;
 
-    fn source(topic: &str, orientation: Orientation, convention: Convention) -> Alternative {
+    fn source(
+        topic: &str,
+        orientation: Orientation,
+        convention: impl Into<Option<Convention>>,
+    ) -> Alternative {
         let attitude = AttitudeFields {
             orientation,
-            convention,
+            convention: convention.into(),
             reset_counter: None,
         };
         on(topic, RoleFields::Attitude(attitude))
@@ -70,6 +74,7 @@ mod attitude {
             pitch: field("pitch"),
             yaw: field("yaw"),
             unit,
+            order: EulerOrder::default(),
         })
     }
 
@@ -85,14 +90,14 @@ mod attitude {
             ("centidegrees", AngleUnit::Centidegrees),
         ] {
             let argument = format!("/imu.roll,/imu.pitch,/imu.yaw:{unit}");
-            let expected = source("/imu", euler(expected), Convention::FrdNed);
+            let expected = source("/imu", euler(expected), None);
             assert_eq!(parsed(Kind::Attitude, &argument), expected);
         }
         let spaced = parsed(
             Kind::Attitude,
             "/imu.roll, /imu.pitch, /imu.yaw:flu-enu:degrees",
         );
-        let expected = source("/imu", euler(AngleUnit::Degrees), Convention::FluEnu);
+        let expected = source("/imu", euler(AngleUnit::Degrees), Convention::FLU_ENU);
         assert_eq!(spaced, expected, "in whatever order the words come");
     }
 
@@ -100,32 +105,34 @@ mod attitude {
     fn an_attitude_is_a_quaternion_in_one_field_or_in_four() {
         let together = |path| Components::Together(field(path));
         let four = each(["q[0]", "q[1]", "q[2]", "q[3]"]);
-        use {Convention::*, QuaternionOrder::*};
+        use QuaternionOrder::*;
+        const FLU_ENU: Option<Convention> = Some(Convention::FLU_ENU);
+        const FRD_NED: Option<Convention> = Some(Convention::FRD_NED);
         for (argument, topic, fields, order, convention) in [
             (
                 "/pose.orientation:flu-enu",
                 "/pose",
                 together("orientation"),
                 Wxyz,
-                FluEnu,
+                FLU_ENU,
             ),
-            ("/att.q:xyzw", "/att", together("q"), Xyzw, FrdNed),
-            ("/att.q", "/att", together("q"), Wxyz, FrdNed),
+            ("/att.q:xyzw", "/att", together("q"), Xyzw, None),
+            ("/att.q", "/att", together("q"), Wxyz, None),
             (
                 "/a.q[0],/a.q[1],/a.q[2],/a.q[3]:wxyz:frd-ned",
                 "/a",
                 four,
                 Wxyz,
-                FrdNed,
+                FRD_NED,
             ),
-            (r#""/a.b".c:xyzw"#, "/a.b", together("c"), Xyzw, FrdNed),
-            (r#""/a:1,2".c"#, "/a:1,2", together("c"), Wxyz, FrdNed),
+            (r#""/a.b".c:xyzw"#, "/a.b", together("c"), Xyzw, None),
+            (r#""/a:1,2".c"#, "/a:1,2", together("c"), Wxyz, None),
             (
                 "vehicle_attitude/0.q",
                 "vehicle_attitude/0",
                 together("q"),
                 Wxyz,
-                FrdNed,
+                None,
             ),
         ] {
             let expected = source(topic, quaternion(fields, order), convention);
@@ -143,7 +150,7 @@ mod attitude {
 
     #[test]
     fn a_wrong_attitude_is_an_error_with_advice() {
-        let words = "radians, degrees or centidegrees; wxyz or xyzw; frd-ned or flu-enu";
+        let words = "radians, degrees or centidegrees; … wxyz or xyzw; frd-ned or flu-enu";
         let unknown = |word| format!("`{word}` has no meaning here … {words}");
         complains(
             Kind::Attitude,
@@ -181,6 +188,14 @@ mod attitude {
                     "5 fields … one (a quaternion), three … or four",
                 ),
                 ("/odom:flu-enu", "only a topic … /odom.field:flu-enu"),
+                (
+                    "/imu.q:frd-neu",
+                    "`neu` are left-handed axes, and there is no rotation",
+                ),
+                (
+                    "/imu.r,/imu.p,/imu.y:degrees:roll-pitch",
+                    &unknown("roll-pitch"),
+                ),
             ],
         );
     }
@@ -193,34 +208,34 @@ mod velocity {
     fn a_velocity_is_a_vector_or_three_fields_with_their_axes() {
         let apart = || each(["vel.n", "vel.e", "vel.d"]);
         let together = |path| Components::Together(field(path));
-        use {SpeedUnit::*, VelocityFrame::*};
+        use SpeedUnit::*;
         for (argument, topic, vector, frame, unit) in [
             (
                 "/gps.vel.n,/gps.vel.e,/gps.vel.d:ned:cm/s",
                 "/gps",
                 apart(),
-                Ned,
+                Axes::World(WorldAxes::NED),
                 CentimetresPerSecond,
             ),
             (
                 "/twist.linear:body-flu",
                 "/twist",
                 together("linear"),
-                BodyFlu,
+                Axes::Body(BodyAxes::FLU),
                 MetresPerSecond,
             ),
             (
                 "/v.v:mm/s:enu",
                 "/v",
                 together("v"),
-                Enu,
+                Axes::World(WorldAxes::ENU),
                 MillimetresPerSecond,
             ),
             (
                 "/v.v:body-frd:m/s",
                 "/v",
                 together("v"),
-                BodyFrd,
+                Axes::Body(BodyAxes::FRD),
                 MetresPerSecond,
             ),
         ] {
@@ -236,8 +251,29 @@ mod velocity {
     }
 
     #[test]
+    fn a_velocity_may_be_in_any_three_axes() {
+        for (word, axes) in [
+            ("neu", "neu"),
+            ("swd", "swd"),
+            ("body-flu", "body-flu"),
+            ("flu", "body-flu"),
+            ("body-rub", "body-rub"),
+        ] {
+            let alternative = parsed(Kind::Velocity, &format!("/v.v:{word}"));
+            let RoleFields::Velocity(velocity) = alternative.fields else {
+                panic!("not a velocity");
+            };
+            assert_eq!(velocity.frame.to_string(), axes);
+        }
+        for word in ["nee", "nd", "nedu", "nfd", "body-ned", "NED"] {
+            let problem = RoleArgument::parse(Kind::Velocity, &format!("/v.v:{word}"));
+            assert!(problem.is_err(), "{word}");
+        }
+    }
+
+    #[test]
     fn a_wrong_velocity_is_an_error_with_advice() {
-        let words = "ned, enu, body-frd or body-flu; m/s, cm/s or mm/s";
+        let words = "ned, enu, neu, body-frd or body-flu; m/s, cm/s or mm/s";
         let unknown = |word| format!("`{word}` has no meaning here … {words}");
         complains(
             Kind::Velocity,
@@ -265,12 +301,12 @@ mod gimbal {
     fn source(
         orientation: Orientation,
         reference: GimbalReference,
-        convention: Convention,
+        convention: impl Into<Option<Convention>>,
     ) -> Alternative {
         let gimbal = GimbalFields {
             orientation,
             reference,
-            convention,
+            convention: convention.into(),
         };
         on("/gimbal", RoleFields::Gimbal(gimbal))
     }
@@ -294,7 +330,7 @@ mod gimbal {
                 unit,
                 positive,
             });
-            let expected = source(pitch, GimbalReference::Heading, Convention::FrdNed);
+            let expected = source(pitch, GimbalReference::Heading, None);
             assert_eq!(parsed(Kind::Gimbal, argument), expected, "{argument}");
         }
     }
@@ -312,6 +348,7 @@ mod gimbal {
             pitch,
             yaw,
             unit,
+            order: EulerOrder::default(),
         });
         use {GimbalReference::*, QuaternionOrder::*};
         for (argument, orientation, reference) in [
@@ -323,11 +360,11 @@ mod gimbal {
                 Airframe,
             ),
         ] {
-            let expected = source(orientation, reference, Convention::FrdNed);
+            let expected = source(orientation, reference, None);
             assert_eq!(parsed(Kind::Gimbal, argument), expected, "{argument}");
         }
         let flu = parsed(Kind::Gimbal, "/gimbal.q:earth:flu-enu");
-        assert_eq!(flu, source(quaternion(Wxyz), Earth, Convention::FluEnu));
+        assert_eq!(flu, source(quaternion(Wxyz), Earth, Convention::FLU_ENU));
     }
 
     #[test]
@@ -380,13 +417,9 @@ mod position {
             frame,
             unit,
         };
-        let xyz = local(
-            each(["x", "y", "z"]),
-            PositionFrame::Ned,
-            LengthUnit::Metres,
-        );
+        let xyz = local(each(["x", "y", "z"]), WorldAxes::NED, LengthUnit::Metres);
         let together = Components::Together(field("p"));
-        let vector = local(together, PositionFrame::Enu, LengthUnit::Centimetres);
+        let vector = local(together, WorldAxes::ENU, LengthUnit::Centimetres);
         for (argument, coordinates) in [
             ("/gps.lat,/gps.lon,/gps.alt:degE7:mm", geodetic),
             ("/gps.x,/gps.y,/gps.z:ned", xyz),

@@ -105,7 +105,7 @@ fn a_pitch_alone_is_not_measured_from_north_and_has_no_convention() {
         "reference = \"heading\"\nconvention = \"flu-enu\"",
     ] {
         let toml = format!(
-            "name = \"g\"\n[attitude]\norientation.quaternion = \"/a.q\"\n[gimbal]\n\
+            "name = \"g\"\n[attitude]\norientation.quaternion = \"/a.q\"\nconvention = \"frd-ned\"\n[gimbal]\n\
              orientation.pitch = {{ field = \"/g.pitch\", unit = \"degrees\" }}\n{keys}\n"
         );
         let problem = Profile::parse(&toml).expect_err("it makes no sense");
@@ -117,7 +117,7 @@ fn a_pitch_alone_is_not_measured_from_north_and_has_no_convention() {
 #[test]
 fn a_given_time_holds_for_all_roles_and_needs_its_unit() {
     let own = of_profile(
-        "name = \"own\"\n[attitude]\norientation.quaternion = \"/a.q\"\n\
+        "name = \"own\"\n[attitude]\norientation.quaternion = \"/a.q\"\nconvention = \"frd-ned\"\n\
          time.field = { path = \"t\", unit = \"s\" }\n",
     );
     let messages = [1, 2, 3].map(|t| json!({ "q": [1, 0, 0, 0], "t": t, "u": 10 * t }));
@@ -152,7 +152,7 @@ fn a_given_time_holds_for_all_roles_and_needs_its_unit() {
 fn flags_and_counters_are_compared_bit_by_bit() {
     let profile = of_profile(
         "name = \"own\"\n[[attitude]]\ntopics = [\"/a\"]\nwhen = { field = \"flags\", has_bits = 32 }\n\
-         orientation.quaternion = \"q\"\nreset_counter = { field = \"resets\" }\n",
+         orientation.quaternion = \"q\"\nconvention = \"frd-ned\"\nreset_counter = { field = \"resets\" }\n",
     );
     let messages = [(-16, -1), (32, -2), (31, 0)];
     let messages = messages
@@ -172,7 +172,7 @@ fn flags_and_counters_are_compared_bit_by_bit() {
 fn a_number_does_not_match_a_condition_on_a_string() {
     let profile = of_profile(
         "name = \"own\"\n[[attitude]]\ntopics = [\"/a\"]\nwhen = { field = \"frame\", says = \"ned\" }\n\
-         orientation.quaternion = \"q\"\n",
+         orientation.quaternion = \"q\"\nconvention = \"frd-ned\"\n",
     );
     let frames = [json!(0), json!(false), json!("enu"), json!("ned")];
     let messages = frames.map(|frame| json!({ "q": [1, 0, 0, 0], "frame": frame }));
@@ -185,9 +185,9 @@ fn a_number_does_not_match_a_condition_on_a_string() {
 fn several_conditions_on_one_text_are_told_apart() {
     let profile = of_profile(
         "name = \"own\"\n[[attitude]]\ntopics = [\"/a\"]\nwhen = { field = \"frame\", says = \"ned\" }\n\
-         orientation.quaternion = \"q\"\n\
+         orientation.quaternion = \"q\"\nconvention = \"frd-ned\"\n\
          [[attitude]]\ntopics = [\"/a\"]\nwhen = { field = \"frame\", says = \"neds\" }\n\
-         orientation.quaternion = \"r\"\n",
+         orientation.quaternion = \"r\"\nconvention = \"frd-ned\"\n",
     );
     let messages = ["ned", "neds", "ne", ""]
         .map(|frame| json!({ "q": [1, 0, 0, 0], "r": [0, 0, 0, 1], "frame": frame }));
@@ -208,7 +208,7 @@ fn a_long_text_is_not_taken_for_one_that_begins_like_it() {
     let of_length = |length| {
         of_profile(&format!(
             "name = \"own\"\n[[attitude]]\ntopics = [\"/a\"]\nwhen = {{ field = \"frame\", says = \"{}\" }}\n\
-             orientation.quaternion = \"q\"\n",
+             orientation.quaternion = \"q\"\nconvention = \"frd-ned\"\n",
             "x".repeat(length)
         ))
     };
@@ -231,8 +231,8 @@ fn a_long_text_is_not_taken_for_one_that_begins_like_it() {
 #[test]
 fn the_first_alternative_that_fits_anywhere_is_preferred() {
     let profile = Profile::parse(
-        "name = \"own\"\n[[attitude]]\ntopics = [\"/a\", \"/b\"]\norientation.quaternion = \"q\"\n\
-         [[attitude]]\ntopics = [\"/a\"]\norientation.quaternion = \"r\"\n",
+        "name = \"own\"\n[[attitude]]\ntopics = [\"/a\", \"/b\"]\norientation.quaternion = \"q\"\nconvention = \"frd-ned\"\n\
+         [[attitude]]\ntopics = [\"/a\"]\norientation.quaternion = \"r\"\nconvention = \"frd-ned\"\n",
     );
     let request = Request {
         profile: ProfileChoice::Given(Box::new(profile.expect("a profile"))),

@@ -131,7 +131,7 @@ fn keys_that_are_left_out_have_their_defaults() {
         r#"automatic = true
         namespaced = false
         time = "log_time"
-        attitude = { topics = ["/a"], orientation.quaternion = { fields = "q", order = "wxyz" }, convention = "frd-ned" }
+        attitude = { topics = ["/a"], orientation.quaternion = { fields = "q", order = "wxyz" } }
         velocity = { vector = "v", frame = "ned", unit = "m/s", required = false }"#,
     );
     assert_eq!(profile, explicit);
@@ -326,8 +326,8 @@ fn errors_name_the_place_and_what_would_be_valid() {
             "missing field `frame`, in `velocity`",
         ),
         (
-            "velocity = [{ vector = \"v\", frame = \"ned\" }, { vector = \"v\", frame = \"frd\" }]",
-            "`frd`, expected one of `ned`, `enu`, `body-frd`, `body-flu` … in alternative 2, in `velocity`",
+            "velocity = [{ vector = \"v\", frame = \"ned\" }, { vector = \"v\", frame = \"xyz\" }]",
+            "axes are three letters, one for each component … in alternative 2, in `velocity`",
         ),
         (
             "gimbal.orientation.quaternion = \"q\"",

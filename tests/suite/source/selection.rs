@@ -181,9 +181,9 @@ mod alternatives {
         let profile = own(r#"
             name = "mine"
             attitude = [
-                { topics = ["/a"], orientation.quaternion = "rotation" },
+                { topics = ["/a"], orientation.quaternion = "rotation", convention = "frd-ned" },
                 { topics = ["/a"], orientation.euler = { roll = "r", pitch = "p", yaw = "y", unit = "degrees" } },
-                { topics = ["/b"], orientation.quaternion = "q" },
+                { topics = ["/b"], orientation.quaternion = "q", convention = "frd-ned" },
             ]"#);
         let angles = twice("/a", json!({ "r": 1, "p": 2, "y": 3 }));
         let nothing = twice("/a", json!({ "x": 1 }));
@@ -211,9 +211,9 @@ mod alternatives {
         let profile = own(r#"
             name = "mine"
             attitude = [
-                { topics = ["/a"], orientation.quaternion = ["q[0]", "q[1]", "q[2]", "mode"] },
-                { topics = ["/a"], orientation.quaternion = ["w", "x", "lost", "mode"] },
-                { topics = ["/a"], orientation.quaternion = "q" },
+                { topics = ["/a"], orientation.quaternion = ["q[0]", "q[1]", "q[2]", "mode"], convention = "frd-ned" },
+                { topics = ["/a"], orientation.quaternion = ["w", "x", "lost", "mode"], convention = "frd-ned" },
+                { topics = ["/a"], orientation.quaternion = "q", convention = "frd-ned" },
             ]"#);
         let message = json!({ "q": [1, 0, 0, 0], "mode": "AUTO", "w": 1, "x": 0 });
         let source = select_with(&[twice("/a", message)], &profile).expect("a source");
@@ -225,6 +225,7 @@ mod alternatives {
         let profile = own(r#"
             name = "mine"
             attitude.orientation.quaternion = "q"
+            attitude.convention = "frd-ned"
             velocity = { vector = "v", frame = "ned" }"#);
         let whole = twice("/b", json!({ "q": [1, 0, 0, 0], "v": [1, 0, 0] }));
         let source = select_with(&[attitude("/a"), whole], &profile).expect("a source");
@@ -252,7 +253,10 @@ mod what_the_user_gives {
             &[("--velocity", "/gps.v:ned")],
             ("flat", "/state", "/gps"),
         );
-        let more = [("--gimbal", "/gps.q:earth"), ("--position", "/gps.p:enu")];
+        let more = [
+            ("--gimbal", "/gps.q:earth:frd-ned"),
+            ("--position", "/gps.p:enu"),
+        ];
         let source = select_with(&topics, &request(&more)).expect("a source");
         for kind in [Kind::Gimbal, Kind::Position] {
             assert_eq!(source.role(kind).expect("a role").topic, "/gps");
@@ -268,7 +272,7 @@ mod what_the_user_gives {
     #[test]
     fn a_given_topic_that_is_missing_is_an_error_that_names_the_role() {
         for (role, missing, lacking) in [
-            ("--attitude", "/imu.q", "/state.q"),
+            ("--attitude", "/imu.q:frd-ned", "/state.q:frd-ned"),
             ("--velocity", "/imu.q:ned", "/state.q:ned"),
             ("--gimbal", "/imu.q:earth", "/state.q:earth"),
             ("--position", "/imu.q:ned", "/state.q:ned"),

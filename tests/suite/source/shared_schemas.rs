@@ -147,6 +147,7 @@ fn nested_fields_are_looked_for_where_they_are() {
     let profile = own(r#"
         name = "nested"
         attitude.orientation.quaternion = "pose.q"
+        attitude.convention = "frd-ned"
         velocity = { vector = "pose.v", frame = "ned", required = true }"#);
     let coordinates = schema_of(&["x", "y", "z", "w"], &["x", "y", "z"]);
     let pose = json!({ "properties": { "q": coordinates, "v": coordinates } });
@@ -173,7 +174,8 @@ fn nested_fields_are_looked_for_where_they_are() {
 fn elements_of_lists_are_looked_for() {
     let profile = own(r#"
         name = "lists"
-        attitude.orientation.quaternion = ["q[0]", "q[1]", "q[2]", "q[3]"]"#);
+        attitude.orientation.quaternion = ["q[0]", "q[1]", "q[2]", "q[3]"]
+        attitude.convention = "frd-ned""#);
     let list = |least: u64| json!({ "items": { "type": "number" }, "minItems": least });
     let schema = |least| json!({ "properties": { "q": list(least) }, "required": ["q"] });
     let topics = [

@@ -73,6 +73,7 @@ impl Kind {
                 [attitude]
                 topics = ["/attitude"]
                 orientation.quaternion = "q"
+                convention = "frd-ned"
                 reset_counter = { field = "quat_reset_counter" }
                 [velocity]
                 topics = ["/local_position"]

@@ -35,7 +35,20 @@ fn the_json_report_has_every_number() {
     assert_eq!(copied + appended, result.len());
     assert!(copied > 200_000 && folder.read(LOG).starts_with(&result[..copied]));
 
-    let samples = json!({ "topic": "/drone/state", "used": 3310, "dropped": {} });
+    let samples = |read_as: Value| json!({ "topic": "/drone/state", "used": 3310, "dropped": {}, "read_as": [read_as] });
+    let attitude = samples(json!({
+        "kind": "angles",
+        "axes": "frd-ned",
+        "unit": "radians",
+        "order": "yaw-pitch-roll",
+        "because": "profile",
+    }));
+    let velocity = samples(json!({
+        "kind": "velocity",
+        "axes": "ned",
+        "unit": "m/s",
+        "because": "profile",
+    }));
     let expected = json!({
         "input": LOG,
         "output": RESULT,
@@ -53,8 +66,8 @@ fn the_json_report_has_every_number() {
         "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
         "gimbal": null,
         "max_gap_s": 5.0,
-        "attitude": samples,
-        "velocity": samples,
+        "attitude": attitude,
+        "velocity": velocity,
         "breaks": { "gaps": 0, "resets": 0 },
         "written": [
             { "topic": "/camera/relative_rpy", "schema": "flightcam.v1.RelativeRpy", "messages": 3309 },
@@ -169,7 +182,7 @@ fn notes_say_what_can_be_done() {
         ),
         (
             &ros2,
-            "--depression 30 --attitude /pose.q --encoding json",
+            "--depression 30 --attitude /pose.q:frd-ned --encoding json",
             "tools such as rosbags refuse … the new ones … use --encoding ros2",
         ),
         (

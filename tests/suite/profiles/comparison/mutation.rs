@@ -115,6 +115,7 @@ fn replacements(role: &str, key: &str, value: &Value) -> Vec<Variant> {
             _ => others(&SPEEDS),
         },
         ("says", _) => others(&["another frame"]),
+        ("ignore_frame_ids", _) => vec![("heeded".to_owned(), Value::from(false))],
         ("is", Value::Integer(1)) => number(2),
         ("is", _) => number(1),
         ("has_bits", Value::Integer(32)) => number(80),

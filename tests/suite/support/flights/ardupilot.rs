@@ -34,6 +34,8 @@ fn recording(name: &str, flight: Flight, write: fn(Ros)) -> Recording {
             flight,
             log,
             schema: ros2,
+            pose_frame: "base_link",
+            drone_frame: "base_link",
         })
     };
     Recording::new("ardupilot-ros2", name, flight, write)

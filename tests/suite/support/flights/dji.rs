@@ -35,6 +35,8 @@ fn recording(name: &str, write: fn(Ros)) -> Recording {
             flight,
             log,
             schema: ros1,
+            pose_frame: "ground_ENU",
+            drone_frame: "body_FLU",
         })
     };
     Recording::new("dji-osdk", name, Flight::new(), write)
@@ -47,7 +49,11 @@ fn attitude(log: &mut Ros) {
         "/dji_osdk_ros/attitude",
         message,
         &flight.attitude_times,
-        |time| Wanted::new().xyzw("quaternion", ros::attitude(flight, time)),
+        |time| {
+            Wanted::new()
+                .text("header.frame_id", "body_FLU")
+                .xyzw("quaternion", ros::attitude(flight, time))
+        },
     );
 }
 
@@ -58,7 +64,11 @@ fn velocity(log: &mut Ros) {
         "/dji_osdk_ros/velocity",
         message,
         &flight.velocity_times,
-        |time| Wanted::new().xyz("vector", flight::enu(flight::velocity(time))),
+        |time| {
+            Wanted::new()
+                .text("header.frame_id", "ground_ENU")
+                .xyz("vector", flight::enu(flight::velocity(time)))
+        },
     );
 }
 

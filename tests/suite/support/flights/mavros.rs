@@ -80,6 +80,8 @@ fn recording(name: &str, schema: fn(&str) -> Schema, flight: Flight, write: fn(R
             flight,
             log,
             schema,
+            pose_frame: "map",
+            drone_frame: "base_link",
         })
     };
     Recording::new("mavros", name, flight, write)

@@ -18,7 +18,7 @@ mod nav_msgs;
 mod px4;
 mod px4_ros2;
 mod px4_ulog;
-mod ros;
+pub mod ros;
 
 pub use flat::reference;
 pub use recording::Recording;

@@ -23,10 +23,18 @@ pub fn recordings() -> Vec<Recording> {
         ),
     ];
     let odometry = odometry.map(|(name, schema)| {
+        // Some leave the names of frames empty.
+        let body = if name.ends_with("JSON") {
+            ""
+        } else {
+            "base_link"
+        };
         recording(name, Flight::in_one_message(), move |flight, log| {
             put(flight, log, &schema, |time| {
                 let velocity = flight::flu(flight.body_velocity(time));
-                pose(flight, time).xyz("linear_velocity", velocity)
+                pose(flight, time)
+                    .text("body_frame_id", body)
+                    .xyz("linear_velocity", velocity)
             });
         })
     });
@@ -45,6 +53,8 @@ pub fn recordings() -> Vec<Recording> {
                 flight,
                 log,
                 schema,
+                pose_frame: "odom",
+                drone_frame: "base_link",
             }
             .odometry("/any/topic");
         })
@@ -70,6 +80,7 @@ fn put(flight: &Flight, log: &mut Recorder, schema: &Schema, wanted: impl Fn(u64
 
 fn pose(flight: &Flight, time: u64) -> Wanted {
     Wanted::new()
+        .text("frame_id", "map")
         .xyzw("pose.orientation", ros::attitude(flight, time))
         .xyz("pose.position", flight::enu(flight::local(time)))
 }

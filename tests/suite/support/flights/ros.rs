@@ -14,6 +14,10 @@ pub struct Ros<'a> {
     pub log: &'a mut Recorder,
     /// The type of a message, `geometry_msgs/PoseStamped`.
     pub schema: fn(&str) -> Schema,
+    /// What the frame of a pose is called.
+    pub pose_frame: &'static str,
+    /// What the drone's frame is called.
+    pub drone_frame: &'static str,
 }
 
 pub fn ros1(message: &str) -> Schema {
@@ -44,13 +48,14 @@ impl Ros<'_> {
 
     /// `PoseStamped`: attitude and position in ENU.
     pub fn pose(&mut self, topic: &str) -> &mut Self {
-        let flight = self.flight;
+        let (flight, frame) = (self.flight, self.pose_frame);
         self.topic(
             topic,
             "geometry_msgs/PoseStamped",
             &flight.attitude_times,
             |time| {
                 Wanted::new()
+                    .text("header.frame_id", frame)
                     .xyzw("pose.orientation", attitude(flight, time))
                     .xyz("pose.position", flight::enu(flight::local(time)))
             },
@@ -59,7 +64,7 @@ impl Ros<'_> {
 
     /// `GeoPoseStamped`: attitude in ENU, position on the globe.
     pub fn geopose(&mut self, topic: &str) -> &mut Self {
-        let flight = self.flight;
+        let (flight, frame) = (self.flight, self.pose_frame);
         let position =
             ["latitude", "longitude", "altitude"].map(|name| format!("pose.position.{name}"));
         let position = position.each_ref().map(String::as_str);
@@ -69,6 +74,7 @@ impl Ros<'_> {
             &flight.attitude_times,
             |time| {
                 Wanted::new()
+                    .text("header.frame_id", frame)
                     .xyzw("pose.orientation", attitude(flight, time))
                     .numbers(position, flight::geodetic(time))
             },
@@ -77,39 +83,51 @@ impl Ros<'_> {
 
     /// `Imu`: attitude in ENU.
     pub fn imu(&mut self, topic: &str) -> &mut Self {
-        let flight = self.flight;
+        let (flight, frame) = (self.flight, self.drone_frame);
         self.topic(topic, "sensor_msgs/Imu", &flight.attitude_times, |time| {
-            Wanted::new().xyzw("orientation", attitude(flight, time))
+            Wanted::new()
+                .text("header.frame_id", frame)
+                .xyzw("orientation", attitude(flight, time))
         })
     }
 
     /// `TwistStamped` with the velocity in ENU.
     pub fn world_twist(&mut self, topic: &str) -> &mut Self {
-        let flight = self.flight;
+        let (flight, frame) = (self.flight, self.drone_frame);
         self.topic(
             topic,
             "geometry_msgs/TwistStamped",
             &flight.velocity_times,
-            |time| Wanted::new().xyz("twist.linear", flight::enu(flight::velocity(time))),
+            |time| {
+                Wanted::new()
+                    .text("header.frame_id", frame)
+                    .xyz("twist.linear", flight::enu(flight::velocity(time)))
+            },
         )
     }
 
     /// `TwistStamped` with the velocity in body FLU.
     pub fn body_twist(&mut self, topic: &str) -> &mut Self {
-        let flight = self.flight;
+        let (flight, frame) = (self.flight, self.drone_frame);
         self.topic(
             topic,
             "geometry_msgs/TwistStamped",
             &flight.velocity_times,
-            |time| Wanted::new().xyz("twist.linear", flight::flu(flight.body_velocity(time))),
+            |time| {
+                Wanted::new()
+                    .text("header.frame_id", frame)
+                    .xyz("twist.linear", flight::flu(flight.body_velocity(time)))
+            },
         )
     }
 
     /// `Odometry`: attitude and position in ENU, velocity in body FLU.
     pub fn odometry(&mut self, topic: &str) -> &mut Self {
-        let flight = self.flight;
+        let (flight, frame, child) = (self.flight, self.pose_frame, self.drone_frame);
         self.topic(topic, "nav_msgs/Odometry", &flight.attitude_times, |time| {
             Wanted::new()
+                .text("header.frame_id", frame)
+                .text("child_frame_id", child)
                 .xyzw("pose.pose.orientation", attitude(flight, time))
                 .xyz("pose.pose.position", flight::enu(flight::local(time)))
                 .xyz(
