@@ -22,13 +22,15 @@ Telemetry that no profile knows:
       --velocity /gps.vel.n,/gps.vel.e,/gps.vel.d:ned:cm/s
 
   --attitude /imu.roll,/imu.pitch,/imu.yaw:degrees
-      three angles, in radians, degrees or centidegrees
+      three angles, in radians, degrees or centidegrees; if they turn in another
+      order than yaw, pitch, roll, it follows, as in :yaw-roll-pitch
   --attitude /pose.orientation:flu-enu
       a message with w, x, y, z, in the axes of ROS
-  --attitude /att.q:xyzw
+  --attitude /att.q:xyzw:frd-ned
       a list of four numbers, the scalar part last (wxyz, first, by default)
   --velocity /gps.vel.n,/gps.vel.e,/gps.vel.d:ned:cm/s
-      three numbers; axes ned, enu, body-frd or body-flu; m/s, cm/s or mm/s
+      three numbers; axes ned, enu, body-frd, body-flu, or any other three
+      letters, such as neu; m/s, cm/s or mm/s
   --velocity /twist.linear:body-flu
       a message with x, y, z, or a list of three numbers
   --gimbal /gimbal.pitch:degrees
@@ -40,8 +42,9 @@ Telemetry that no profile knows:
   --position /gps.lat,/gps.lon,/gps.alt:degE7:mm
       latitude, longitude, altitude, or x, y, z with :ned or :enu
 
-  Orientations turn from front, right, down to north, east, down (frd-ned, the
-  default), or from front, left, up to east, north, up (flu-enu, as in ROS).
+  Orientations turn from front, right, down to north, east, down (frd-ned), or
+  from front, left, up to east, north, up (flu-enu, as in ROS). A quaternion
+  needs that, unless the type of its messages tells; angles are frd-ned.
   A topic alone, as in --attitude /odom, leaves the fields to the profile.
   Quote paths with brackets, or the shell will take them for a pattern.";
 

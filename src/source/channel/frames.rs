@@ -79,12 +79,25 @@ impl Conversion {
 /// What one reading of a channel has found in its messages.
 #[derive(Debug, Clone, Default)]
 pub struct FrameTracker {
-    /// The names in the last message, and what they stand for.
-    last: Option<([Vec<u8>; 2], Result<Conversion, DropReason>)>,
+    /// What the names in the last message stand for.
+    last: Option<Learnt>,
     /// How values were read.
     pub taken: Vec<ReadAs>,
     /// Frames whose values were dropped.
     pub refused: Vec<RefusedFrames>,
+}
+
+/// What names of frames stand for.
+#[derive(Debug, Clone)]
+struct Learnt {
+    names: [Vec<u8>; 2],
+    conversion: Result<Conversion, DropReason>,
+}
+
+impl Learnt {
+    fn is_of(&self, names: [&[u8]; 2]) -> bool {
+        self.names[0] == names[0] && self.names[1] == names[1]
+    }
 }
 
 /// Frames whose values were dropped.
@@ -124,9 +137,9 @@ impl FrameTracker {
             }
         }
         let Some(names) = &bound.names else {
-            return match self.last {
-                Some((_, conversion)) => conversion,
-                None => self.learn([&[], &[]], bound.usual.clone().into()),
+            return match &self.last {
+                Some(known) => known.conversion,
+                None => self.learn([&[], &[]], Found::Taken(bound.usual.clone())),
             };
         };
         let texts = [&names.first, &names.second].map(|name| {
@@ -134,9 +147,7 @@ impl FrameTracker {
             text.unwrap_or_default()
         });
         match &self.last {
-            Some((known, conversion)) if known[0] == texts[0] && known[1] == texts[1] => {
-                *conversion
-            }
+            Some(known) if known.is_of(texts) => known.conversion,
             _ => self.learn(texts, resolve(&bound.usual, names, texts)),
         }
     }
@@ -154,7 +165,10 @@ impl FrameTracker {
                 Err(reason)
             }
         };
-        self.last = Some((texts.map(<[u8]>::to_vec), conversion));
+        self.last = Some(Learnt {
+            names: texts.map(<[u8]>::to_vec),
+            conversion,
+        });
         conversion
     }
 
@@ -175,12 +189,6 @@ impl FrameTracker {
 enum Found {
     Taken(ReadAs),
     Refused(RefusedFrames),
-}
-
-impl From<ReadAs> for Found {
-    fn from(read_as: ReadAs) -> Self {
-        Self::Taken(read_as)
-    }
 }
 
 fn remember<T: PartialEq>(known: &mut Vec<T>, one: T) {

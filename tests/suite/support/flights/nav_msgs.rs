@@ -44,17 +44,21 @@ pub fn recordings() -> Vec<Recording> {
         })
     });
     let ros = [
-        ("nav_msgs/msg/Odometry", ros2 as fn(&str) -> Schema),
-        ("nav_msgs/Odometry", ros1),
+        (
+            "nav_msgs/msg/Odometry",
+            ros2 as fn(&str) -> Schema,
+            ["odom", "base_link"],
+        ),
+        ("nav_msgs/Odometry", ros1, ["", ""]),
     ];
-    let ros = ros.map(|(name, schema)| {
+    let ros = ros.map(|(name, schema, frames)| {
         recording(name, Flight::in_one_message(), move |flight, log| {
             Ros {
                 flight,
                 log,
                 schema,
-                pose_frame: "odom",
-                drone_frame: "base_link",
+                pose_frame: frames[0],
+                drone_frame: frames[1],
             }
             .odometry("/any/topic");
         })
