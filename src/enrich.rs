@@ -11,6 +11,7 @@
 //! becomes of the values; they go to a sink.
 
 mod background;
+mod held_back;
 mod job;
 mod log_sink;
 mod plan;
@@ -125,7 +126,9 @@ fn write(
         let derivation = sink.take(&first).and_then(|()| job.feed(&mut sink));
         match derivation {
             Ok(derivation) => {
-                derivation.source.check_sources(&original.log)?;
+                if let Err(error) = derivation.source.check_sources(&original.log) {
+                    return Err(sink.give_up(error.into()));
+                }
                 let findings = findings(derivation);
                 let (written, grown_by) = sink.finish(findings.facts())?;
                 Ok(findings.report(output, written, grown_by))

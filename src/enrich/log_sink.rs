@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::{Sink, background::Background};
+use super::{Sink, background::Background, held_back::HeldBack};
 use crate::{
     derived::Derived,
+    error::Error,
     log::file::LogFile,
-    run::{Run, Stopped},
+    run::{Run, RunError, Stopped},
     writer::{LogWriter, Written, destination::Pending, journal::NewEnd},
 };
 
@@ -31,8 +32,10 @@ pub enum Completion<'scope> {
     },
     /// The log in place gets its new end.
     InPlace(NewEnd<'scope>),
-    /// Nothing.
-    Stream,
+    /// A stream that has the log's data gets what follows.
+    Stream(HeldBack<'scope>),
+    /// Nothing: a stream has everything.
+    Interleaved,
 }
 
 impl Sink for LogSink<'_> {
@@ -76,7 +79,29 @@ impl LogSink<'_> {
                 new_end.commit(&|step| run.reached(step))?;
                 Ok((written, 0))
             }
-            Completion::Stream => Ok((writer.finish(facts)?, log.grown_by()?)),
+            Completion::Stream(held) => {
+                let written = writer.finish(facts)?;
+                let grown_by = log.grown_by()?;
+                held.release()?;
+                Ok((written, grown_by))
+            }
+            Completion::Interleaved => Ok((writer.finish(facts)?, log.grown_by()?)),
+        }
+    }
+
+    /// Leaves the result out, because of an error. What was written to a new file is dropped, and a stream gets the log's
+    /// own end.
+    pub fn give_up(self, error: Error) -> Stopped {
+        let Completion::Stream(held) = self.completion else {
+            return error.into();
+        };
+        match held.give_up() {
+            Ok(true) => RunError::PassedOn {
+                cause: Box::new(error),
+            }
+            .into(),
+            Ok(false) => error.into(),
+            Err(error) => error.into(),
         }
     }
 }

@@ -10,6 +10,7 @@ use std::{
 
 use super::{
     background::{self, Flusher},
+    held_back::HeldBack,
     log_sink::{Completion, LogSink},
 };
 use crate::{
@@ -122,21 +123,20 @@ impl<'a> Target<'a> {
         'a: 'scope,
     {
         let Self { medium, layout } = self;
-        let writer = match medium {
-            Medium::NewFile(destination) => {
-                return new_file(scope, log, &destination, layout, format, run);
+        match medium {
+            Medium::NewFile(destination) => new_file(scope, log, &destination, layout, format, run),
+            Medium::InPlace { .. } => in_place(log, format, run),
+            Medium::Handle { name, handle } => {
+                into_stream(log, Box::new(handle), name, layout, format, run)
             }
-            Medium::InPlace { .. } => return in_place(log, format, run),
-            Medium::Handle { name, handle } => into_stream(log, handle, name, layout, format, run)?,
-            Medium::Stream { name, stream } => into_stream(log, stream, name, layout, format, run)?,
-            Medium::AfterData { name, stream } => append(log, stream, name, format)?,
-        };
-        Ok(LogSink {
-            log: &log.file,
-            writer,
-            completion: Completion::Stream,
-            run,
-        })
+            Medium::Stream { name, stream } => into_stream(log, stream, name, layout, format, run),
+            Medium::AfterData { name, stream } => held_back(
+                log,
+                HeldBack::new(Box::new(stream), name, None)?,
+                format,
+                run,
+            ),
+        }
     }
 }
 
@@ -202,23 +202,43 @@ fn in_place<'scope>(
 }
 
 /// Writes to a stream, which in the layout `append` gets the log first.
-fn into_stream<'w, W: Write + 'w>(
-    log: &'w Log,
-    mut stream: W,
+fn into_stream<'scope>(
+    log: &'scope Log,
+    mut stream: Box<dyn Write + 'scope>,
     name: PathBuf,
     layout: Layout,
     format: Format,
-    run: &'w Run<'w>,
-) -> Result<BoxedWriter<'w>, WriteError> {
+    run: &'scope Run<'scope>,
+) -> Result<LogSink<'scope>, Stopped> {
     let copied = |done| run.copied(done);
     match layout {
         Layout::Append => {
             let failed = |source| WriteError::output(&name, source);
             copy_range(&log.file, 0..log.data_end, &mut stream, failed, copied)?;
-            append(log, stream, name, format)
+            held_back(log, HeldBack::new(stream, name, Some(log))?, format, run)
         }
-        Layout::Interleaved => interleave(log, stream, name, format, copied),
+        Layout::Interleaved => Ok(LogSink {
+            log: &log.file,
+            writer: interleave(log, stream, name, format, copied)?,
+            completion: Completion::Interleaved,
+            run,
+        }),
     }
+}
+
+/// Writes what follows a log's data in a stream, which gets it when it is complete.
+fn held_back<'scope>(
+    log: &'scope Log,
+    held: HeldBack<'scope>,
+    format: Format,
+    run: &'scope Run<'scope>,
+) -> Result<LogSink<'scope>, Stopped> {
+    Ok(LogSink {
+        log: &log.file,
+        writer: append(log, held.file()?, held.name().into(), format)?,
+        completion: Completion::Stream(held),
+        run,
+    })
 }
 
 fn append<'w>(
