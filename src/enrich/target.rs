@@ -126,9 +126,7 @@ impl<'a> Target<'a> {
         match medium {
             Medium::NewFile(destination) => new_file(scope, log, &destination, layout, format, run),
             Medium::InPlace { .. } => in_place(log, format, run),
-            Medium::Handle { name, handle } => {
-                into_stream(log, Box::new(handle), name, layout, format, run)
-            }
+            Medium::Handle { name, handle } => into_stream(log, handle, name, layout, format, run),
             Medium::Stream { name, stream } => into_stream(log, stream, name, layout, format, run),
             Medium::AfterData { name, stream } => held_back(
                 log,
@@ -202,9 +200,9 @@ fn in_place<'scope>(
 }
 
 /// Writes to a stream, which in the layout `append` gets the log first.
-fn into_stream<'scope>(
+fn into_stream<'scope, W: Write + 'scope>(
     log: &'scope Log,
-    mut stream: Box<dyn Write + 'scope>,
+    mut stream: W,
     name: PathBuf,
     layout: Layout,
     format: Format,
@@ -215,7 +213,12 @@ fn into_stream<'scope>(
         Layout::Append => {
             let failed = |source| WriteError::output(&name, source);
             copy_range(&log.file, 0..log.data_end, &mut stream, failed, copied)?;
-            held_back(log, HeldBack::new(stream, name, Some(log))?, format, run)
+            held_back(
+                log,
+                HeldBack::new(Box::new(stream), name, Some(log))?,
+                format,
+                run,
+            )
         }
         Layout::Interleaved => Ok(LogSink {
             log: &log.file,

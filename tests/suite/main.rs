@@ -3,6 +3,8 @@
 mod support;
 
 mod camera;
+// Logs of people who were given wrong numbers.
+mod cases;
 // README and docs/, against the program.
 mod documentation;
 // Orientation, relative rotation and interpolation, against reference vectors.
@@ -97,6 +99,7 @@ mod source {
     mod pitfalls;
     mod profile_toml;
     mod selection;
+    mod several_sources;
     mod shared_schemas;
     // Which messages of a streamed log are kept.
     mod stream_filter;

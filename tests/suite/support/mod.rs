@@ -1,5 +1,6 @@
 //! What the tests share.
 
+pub mod expected;
 pub mod flights;
 pub mod folder;
 pub mod forging;
