@@ -94,6 +94,8 @@ mod source {
     mod arguments;
     // What messages say about their axes.
     mod frames;
+    // Each type that says something about them.
+    mod frame_rules;
     mod namespaces;
     // What would silently yield wrong numbers.
     mod pitfalls;
