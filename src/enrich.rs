@@ -169,9 +169,9 @@ pub fn derive<'a>(
             }
             let derivation = job.finish()?;
             derivation.source.check_sources(&log)?;
-            let outcome = derivation.outcome();
+            let (source, outcome) = derivation.outcome();
             let grown_by = log.file.grown_by()?;
-            Ok(Some(DeriveReport::new(&log, outcome, grown_by)))
+            Ok(Some(DeriveReport::new(&log, &source, outcome, grown_by)))
         })
     })
 }

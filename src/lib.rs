@@ -139,7 +139,7 @@ pub use restore::{Restored, restore};
 pub use run::{Input, Output};
 pub use sample::{DropReason, Kind, Stamp, Tallies, Tally};
 pub use source::{
-    Origin, RunnerUp,
+    Because, Id, NamedFrame, Origin, ReadAs, Reading, RefusedFrames, RunnerUp,
     profile::ProfileChoice,
     request::{BadArgument, Request, RoleArgument},
 };

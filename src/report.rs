@@ -75,6 +75,8 @@ pub struct DeriveReport {
     pub tallies: Tallies,
     /// How often the chain of attitude samples broke.
     pub breaks: Breaks,
+    /// In which axes and units the samples of each kind were read, and why; more than one if messages differ.
+    pub read_as: BTreeMap<Kind, Vec<ReadAs>>,
     /// Whether everything in the input could be read.
     pub complete: bool,
     /// What the user should know of the log besides.
@@ -83,7 +85,7 @@ pub struct DeriveReport {
 
 impl DeriveReport {
     /// Creates the report on a log to which other programs added `grown_by` bytes during the run.
-    pub(crate) fn new(log: &Log, outcome: Outcome, grown_by: u64) -> Self {
+    pub(crate) fn new(log: &Log, source: &Source, outcome: Outcome, grown_by: u64) -> Self {
         let Outcome { tallies, breaks } = outcome;
         let unreadable: u64 = Kind::ALL
             .map(|kind| tallies[kind].unreadable())
@@ -97,6 +99,7 @@ impl DeriveReport {
         Self {
             tallies,
             breaks,
+            read_as: Kind::ALL.map(|kind| (kind, source.read_as(kind))).into(),
             complete: log.is_readable_to_its_end() && unreadable == 0 && grown_by == 0,
             notes: notes.into_iter().flatten().collect(),
         }

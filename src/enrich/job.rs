@@ -45,11 +45,11 @@ pub struct Derivation {
 }
 
 impl Derivation {
-    /// What became of all samples.
-    pub fn outcome(self) -> Outcome {
+    /// Where the telemetry is, and what became of all samples.
+    pub fn outcome(self) -> (Source, Outcome) {
         let mut outcome = self.outcome;
         outcome.tallies.merge(&self.dropped);
-        outcome
+        (self.source, outcome)
     }
 }
 

@@ -49,6 +49,11 @@ impl Findings<'_> {
             if let Some(topic) = &samples.topic {
                 add(&format!("{kind}_topic"), topic.as_str().to_owned());
             }
+            let read_as = serde_json::to_string(&samples.read_as);
+            add(
+                &format!("{kind}_read_as"),
+                read_as.expect("plain data is JSON"),
+            );
             add(&format!("{kind}_used"), samples.tally.used.to_string());
             for (reason, count) in &samples.tally.dropped {
                 let key = format!("{kind}_dropped_{}", reason.name());

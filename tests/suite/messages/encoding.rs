@@ -470,3 +470,12 @@ fn a_metadata_yaml_that_is_not_a_text_file_is_ignored() {
     let report = enrich(&input, folder.path().join("result.mcap"), &options());
     assert!(report.expect("a result").notes.is_empty());
 }
+
+#[test]
+fn an_enriched_log_says_in_which_axes_it_was_read() {
+    let (result, _) = enriched(&survey_flight(), Encoding::Json);
+    let read_as: serde_json::Value =
+        serde_json::from_str(&facts(&result)["velocity_read_as"]).expect("JSON");
+    let expected = serde_json::json!([{ "kind": "velocity", "axes": "ned", "unit": "m/s", "because": "profile" }]);
+    assert_eq!(read_as, expected);
+}
