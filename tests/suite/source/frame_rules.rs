@@ -362,6 +362,8 @@ fn a_place_is_in_the_frame_that_its_type_names() {
             "header.frame_id",
         ),
         ("foxglove.Odometry", "pose.position", "frame_id"),
+        ("foxglove_msgs/Odometry", "pose.position", "frame_id"),
+        ("foxglove.PoseInFrame", "pose.position", "frame_id"),
         ("foxglove_msgs/msg/PoseInFrame", "pose.position", "frame_id"),
     ] {
         let request = in_ned(
