@@ -5,6 +5,7 @@
 
 mod decoder;
 mod first_messages;
+mod non_finite;
 mod schema;
 
 pub use decoder::JsonDecoder;

@@ -188,6 +188,8 @@ pub struct Slots {
     /// How many elements were seen of each list that a path leads into. There are no more such lists than indexes in
     /// paths.
     pub seen: Vec<usize>,
+    /// The latest JSON message with a bare `NaN` or the like, with quotes around these. Empty if there was none.
+    pub quoted: Vec<u8>,
 }
 
 impl Slots {
@@ -202,6 +204,7 @@ impl Slots {
                 .map(|field| FieldValue::with_room_for(field.shape))
                 .collect(),
             seen: vec![0; lists],
+            quoted: Vec::new(),
         }
     }
 

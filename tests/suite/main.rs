@@ -34,6 +34,8 @@ mod cli {
 mod decode {
     // Reading a field allocates nothing.
     mod allocations;
+    // Bare NaN and Infinity.
+    mod json_non_finite;
     mod list_paths;
     mod paths;
     mod ros;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 
+use super::non_finite;
 use crate::decode::{
     field::Shape,
     tree::{Branches, FieldTree},
@@ -42,6 +43,26 @@ impl JsonDecoder {
 
     /// Reads a message's wanted fields into their slots, which must be cleared.
     pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
+        let mut quoted = std::mem::take(&mut slots.quoted);
+        let decoded = match quoted.is_empty() {
+            true => self.read(message, slots).or_else(|error| {
+                if !non_finite::quote(message, &mut quoted) {
+                    return Err(error);
+                }
+                slots.clear();
+                self.read(&quoted, slots)
+            }),
+            // The channel has shown such numbers before.
+            false => match non_finite::quote(message, &mut quoted) {
+                true => self.read(&quoted, slots),
+                false => self.read(message, slots),
+            },
+        };
+        slots.quoted = quoted;
+        decoded
+    }
+
+    fn read(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
         let mut json = serde_json::Deserializer::from_slice(message);
         let fields = &self.fields;
         MessageSeed { fields, slots }.deserialize(&mut json)?;

@@ -8,6 +8,7 @@ use std::{
 use mcap::records::Channel;
 use serde_json::Value;
 
+use super::non_finite;
 use crate::log::{Log, ReadError};
 
 /// The first messages of JSON channels.
@@ -77,6 +78,6 @@ fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, ReadError> {
 
 /// What is not JSON shows no field.
 fn parse(payloads: &[Vec<u8>]) -> Vec<Value> {
-    let values = payloads.iter().map(|json| serde_json::from_slice(json));
+    let values = payloads.iter().map(|json| non_finite::parse(json));
     values.map(Result::unwrap_or_default).collect()
 }

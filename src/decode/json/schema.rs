@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 use super::{
     decoder::{JsonDecoder, JsonLeaf, number_in},
     first_messages::FirstMessages,
+    non_finite,
 };
 use crate::{
     decode::{
@@ -47,7 +48,7 @@ impl<'a> JsonSchema<'a> {
         Ok(Self {
             schema: match schema {
                 b"" => Value::Null,
-                schema => serde_json::from_slice(schema).map_err(SchemaError::JsonSchema)?,
+                schema => non_finite::parse(schema).map_err(SchemaError::JsonSchema)?,
             },
             first_messages,
             channel_id,
