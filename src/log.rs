@@ -22,12 +22,13 @@ mod segment;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    ops::ControlFlow,
     path::Path,
 };
 
 use mcap::records::{DataEnd, Header, Metadata, MetadataIndex, op};
 
-use contents::Contents;
+use contents::{Contents, Segment};
 use file::LogFile;
 use record::{Records, parse};
 use scan::{Bodies, Collector, Frame, Next, Walker};
@@ -244,6 +245,30 @@ impl Log {
             pending.retain(|id| !here.contains(id));
         }
         Ok(payloads)
+    }
+
+    /// Passes the payloads of a channel's messages to `take`, in the order of the file, until it breaks off. Of the
+    /// segments that have any, at most that many are read, the first ones.
+    ///
+    /// # Errors
+    /// A segment cannot be read or is damaged.
+    pub fn visit_payloads(
+        &self,
+        channel_id: u16,
+        most_segments: usize,
+        mut take: impl FnMut(&[u8]) -> ControlFlow<()>,
+    ) -> Result<(), ReadError> {
+        let mut segments = SegmentReader::new(self);
+        let has_any = |segment: &&Segment| segment.message_counts.contains_key(&channel_id);
+        let with_messages = self.contents.segments.iter().filter(has_any);
+        for segment in with_messages.take(most_segments) {
+            for message in segments.read(segment, &[channel_id].into())? {
+                if take(message?.payload).is_break() {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
     }
 }
 

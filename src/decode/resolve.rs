@@ -47,8 +47,8 @@ pub enum Key<Name> {
 /// The last place that exists on a path, and how many steps lead to it.
 #[derive(Debug)]
 pub struct DeadEnd<N> {
-    node: N,
-    depth: usize,
+    pub node: N,
+    pub depth: usize,
 }
 
 /// Follows a path from the outermost message.

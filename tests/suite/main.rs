@@ -98,6 +98,8 @@ mod source {
     mod frames;
     // Each type that says something about them.
     mod frame_rules;
+    // JSON fields that are null at first.
+    mod json_null;
     mod namespaces;
     // What would silently yield wrong numbers.
     mod pitfalls;

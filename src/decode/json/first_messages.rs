@@ -3,13 +3,14 @@
 use std::{
     cell::OnceCell,
     collections::{BTreeMap, BTreeSet},
+    ops::ControlFlow,
 };
 
 use mcap::records::Channel;
 use serde_json::Value;
 
 use super::non_finite;
-use crate::log::{Log, ReadError};
+use crate::log::{LONGEST_EXAMPLE, Log, ReadError};
 
 /// The first messages of JSON channels.
 #[derive(Debug)]
@@ -17,10 +18,18 @@ pub enum FirstMessages<'a> {
     /// Those of all JSON channels of a log, read on first use.
     OfLog {
         log: &'a Log,
-        messages: OnceCell<BTreeMap<u16, Vec<Value>>>,
+        channels: OnceCell<BTreeMap<u16, Examples>>,
     },
     /// Those of a single channel, returned whichever channel is asked for.
     Given(Vec<Value>),
+}
+
+/// The first messages of a channel.
+#[derive(Debug, Default)]
+pub struct Examples {
+    first: Vec<Value>,
+    /// These and those that follow, read if these do not show enough.
+    more: OnceCell<Vec<Value>>,
 }
 
 impl<'a> FirstMessages<'a> {
@@ -35,13 +44,13 @@ impl<'a> FirstMessages<'a> {
     pub fn new(log: &'a Log) -> Self {
         Self::OfLog {
             log,
-            messages: OnceCell::new(),
+            channels: OnceCell::new(),
         }
     }
 
     /// Wraps the first messages of a single channel.
     pub fn given(payloads: &[Vec<u8>]) -> Self {
-        Self::Given(parse(payloads))
+        Self::Given(parse_all(payloads))
     }
 
     /// The first messages of a channel; null for one that is not valid JSON.
@@ -49,35 +58,88 @@ impl<'a> FirstMessages<'a> {
     /// # Errors
     /// The log cannot be read.
     pub fn of(&self, channel_id: u16) -> Result<&[Value], ReadError> {
-        let (log, messages) = match self {
-            Self::OfLog { log, messages } => (log, messages),
+        let (log, channels) = match self {
+            Self::OfLog { log, channels } => (log, channels),
             Self::Given(messages) => return Ok(messages),
         };
-        let messages = match messages.get() {
-            Some(messages) => messages,
-            None => {
-                let read = read(log)?;
-                messages.get_or_init(|| read)
-            }
+        if channels.get().is_none() {
+            let read = read(log)?;
+            channels.get_or_init(|| read);
+        }
+        let examples = channels
+            .get()
+            .and_then(|channels| channels.get(&channel_id));
+        Ok(examples.map_or(&[], |examples| &examples.first))
+    }
+
+    /// More of a channel's first messages, for fields that are null at first; `None` if they are not known yet.
+    ///
+    /// # Errors
+    /// The log cannot be read.
+    pub fn more_of(&self, channel_id: u16) -> Result<Option<&[Value]>, ReadError> {
+        let Self::OfLog { log, channels } = self else {
+            return Ok(None);
         };
-        Ok(messages.get(&channel_id).map_or(&[], Vec::as_slice))
+        self.of(channel_id)?;
+        let examples = channels
+            .get()
+            .and_then(|channels| channels.get(&channel_id));
+        let Some(Examples { more, .. }) = examples else {
+            return Ok(Some(&[]));
+        };
+        if more.get().is_none() {
+            let read = read_more(log, channel_id)?;
+            more.get_or_init(|| read);
+        }
+        Ok(more.get().map(Vec::as_slice))
     }
 }
 
-fn read(log: &Log) -> Result<BTreeMap<u16, Vec<Value>>, ReadError> {
+fn read(log: &Log) -> Result<BTreeMap<u16, Examples>, ReadError> {
     let channels = log.contents.definitions.channels.values();
     let json: BTreeSet<u16> = channels
         .filter(|channel| FirstMessages::tell_the_fields_of(&channel.record))
         .map(|channel| channel.record.id)
         .collect();
     let payloads = log.first_payloads(&json, FirstMessages::COUNT)?;
+    let examples = |payloads: Vec<_>| Examples {
+        first: parse_all(&payloads),
+        more: OnceCell::new(),
+    };
     Ok((payloads.into_iter())
-        .map(|(channel_id, payloads)| (channel_id, parse(&payloads)))
+        .map(|(channel_id, payloads)| (channel_id, examples(payloads)))
         .collect())
 }
 
+/// Reads more messages of a channel. The bounds are such that a log and the excerpt of it that is kept of a stream,
+/// which has all of the channel's messages, give the same ones.
+fn read_more(log: &Log, channel_id: u16) -> Result<Vec<Value>, ReadError> {
+    /// How many messages are examined at most.
+    const MESSAGES: usize = 1000;
+    /// How many bytes they have at most.
+    const BYTES: usize = 4 * 1024 * 1024;
+    /// How many segments are read at most: other channels may have most of what is in them.
+    const SEGMENTS: usize = 100;
+    let mut messages = Vec::new();
+    let mut bytes = 0;
+    log.visit_payloads(channel_id, SEGMENTS, |payload| {
+        if payload.len() <= LONGEST_EXAMPLE {
+            bytes += payload.len();
+            messages.push(parse(payload));
+        }
+        match messages.len() < MESSAGES && bytes < BYTES {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    })?;
+    Ok(messages)
+}
+
+fn parse_all(payloads: &[Vec<u8>]) -> Vec<Value> {
+    payloads.iter().map(|payload| parse(payload)).collect()
+}
+
 /// What is not JSON shows no field.
-fn parse(payloads: &[Vec<u8>]) -> Vec<Value> {
-    let values = payloads.iter().map(|json| non_finite::parse(json));
-    values.map(Result::unwrap_or_default).collect()
+fn parse(payload: &[u8]) -> Value {
+    non_finite::parse(payload).unwrap_or_default()
 }

@@ -65,17 +65,25 @@ impl<'a> JsonSchema<'a> {
         if kind == FieldKind::Number && is_enough {
             return Ok(kind);
         }
-        let messages = self.first_messages.of(self.channel_id)?;
+        let mut messages = self.first_messages.of(self.channel_id)?;
+        let mut shown = Shown::by(messages, path);
+        if matches!(shown, Shown::Null | Shown::BelowNull) {
+            match self.first_messages.more_of(self.channel_id)? {
+                Some(more) => {
+                    messages = more;
+                    shown = Shown::by(messages, path);
+                }
+                None => return Ok(kind),
+            }
+        }
         // Messages too long to be examples show nothing, and disprove nothing.
         let is_enough = is_enough || messages.is_empty();
-        let found = (messages.iter())
-            .filter_map(|message| Some(walk(message, path).ok()?.node))
-            .filter(|value| is_enough || !value.is_null());
-        match found.max_by_key(|value| !value.is_null()) {
-            Some(_) if kind == FieldKind::Number => Ok(kind),
-            Some(value) => Ok(value.kind()),
-            None if described.schema.is_some() && is_enough => Ok(kind),
-            None => Err(SchemaError::NoSuchField {
+        match shown {
+            Shown::Value(value) if kind == FieldKind::Unknown => Ok(value.kind()),
+            Shown::Value(_) => Ok(kind),
+            Shown::Null if is_enough => Ok(kind),
+            _ if described.schema.is_some() && is_enough => Ok(kind),
+            _ => Err(SchemaError::NoSuchField {
                 missing: vec![path.clone()],
                 place: Listing::FirstMessages,
                 available: (messages.iter().filter_map(Value::as_object))
@@ -119,6 +127,43 @@ impl<'a> JsonSchema<'a> {
         JsonSchemaNode {
             schema: Some(&self.schema),
             whole: &self.schema,
+        }
+    }
+}
+
+/// What messages show of a place, the least first.
+#[derive(Debug, Clone, Copy)]
+enum Shown<'a> {
+    Nothing,
+    /// There is null on the way to it, or a list that is too short. It may be there later.
+    BelowNull,
+    Null,
+    Value(&'a Value),
+}
+
+impl<'a> Shown<'a> {
+    /// The most that any of these messages shows.
+    fn by(messages: &'a [Value], path: &FieldPath) -> Self {
+        let rank = |shown: &Self| match shown {
+            Self::Nothing => 0,
+            Self::BelowNull => 1,
+            Self::Null => 2,
+            Self::Value(_) => 3,
+        };
+        let shown = messages.iter().map(|message| Self::by_one(message, path));
+        shown.max_by_key(rank).unwrap_or(Self::Nothing)
+    }
+
+    fn by_one(message: &'a Value, path: &FieldPath) -> Self {
+        match walk(message, path) {
+            Ok(place) if place.node.is_null() => Self::Null,
+            Ok(place) => Self::Value(place.node),
+            // A message that is not JSON.
+            Err(end) if end.depth == 0 => Self::Nothing,
+            Err(end) => match (end.node, &path.steps()[end.depth]) {
+                (Value::Null, _) | (Value::Array(_), PathStep::Index(_)) => Self::BelowNull,
+                _ => Self::Nothing,
+            },
         }
     }
 }
