@@ -9,6 +9,7 @@
 //! | `tree` | the wanted fields of a message, resolved, as decoders walk them |
 //! | `value` | the values of the wanted fields of one message |
 //! | `error` | why fields cannot be read from a channel's messages |
+//! | `fault` | what is wrong with a message that cannot be decoded |
 //! | `protobuf`, `json`, `ros` | the encodings |
 //!
 //! Schemas are read once per channel. Messages are read straight from their bytes, without building them and without
@@ -25,6 +26,7 @@
 pub mod path;
 
 pub(crate) mod error;
+pub(crate) mod fault;
 pub(crate) mod field;
 mod json;
 mod protobuf;

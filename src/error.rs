@@ -2,7 +2,10 @@
 
 pub use crate::{
     camera::CameraError,
-    decode::path::NotAPath,
+    decode::{
+        fault::{Content, Fault},
+        path::NotAPath,
+    },
     log::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind},
     run::{Left, RunError},
     source::{

@@ -26,7 +26,10 @@ use crate::{
     report::{CameraReport, MissingReason, MissingTopic, Note, ProfileReport, lossy},
     run::{Input, RunError},
     sample::{Kind, Sample, Tallies, Tally},
-    source::{Origin, ReadAs, RefusedFrames, RunnerUp, Source, error::Misfit},
+    source::{
+        Origin, ReadAs, RefusedFrames, RunnerUp, Source, error::Misfit,
+        undecodable::UndecodableMessage,
+    },
     text::Foreign,
     writer::original::Original,
 };
@@ -154,7 +157,9 @@ pub struct FoundRole {
     /// The frames for which samples were dropped.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub refused_frames: Vec<RefusedFrames>,
-    /// The share of those that were not, 0 to 1.
+    /// The earliest of those that could not be decoded.
+    pub first_undecodable: Option<UndecodableMessage>,
+    /// The share of those that were not usable, 0 to 1.
     pub share_invalid: f64,
     /// The first usable one that was read.
     pub first: Option<FirstSample>,
@@ -197,6 +202,7 @@ impl FoundRole {
             tally: tally.clone(),
             read_as: source.read_as(kind),
             refused_frames: source.refused_frames(kind),
+            first_undecodable: source.undecodable(kind),
             share_invalid: match read {
                 0 => 0.0,
                 read => (read - tally.used) as f64 / read as f64,
@@ -371,6 +377,7 @@ impl Telemetry {
                 topic: found.topic.clone(),
                 tally: found.tally.clone(),
                 refused_frames: found.refused_frames.clone(),
+                first_undecodable: found.first_undecodable.clone().map(Box::new),
             }),
             RoleReport::Missing { missing } => Err(MissingReason::NoSamples {
                 sample: kind,

@@ -142,6 +142,7 @@ pub use source::{
     Because, Id, NamedFrame, Origin, ReadAs, Reading, RefusedFrames, RunnerUp,
     profile::ProfileChoice,
     request::{BadArgument, Request, RoleArgument},
+    undecodable::UndecodableMessage,
 };
 pub use text::Foreign;
 pub use transform::{Breaks, MaxGap, MaxGapOutOfRange};

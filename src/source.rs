@@ -4,6 +4,7 @@ pub mod error;
 pub mod profile;
 pub mod request;
 pub mod stream_filter;
+pub mod undecodable;
 
 mod bind;
 mod channel;
@@ -31,6 +32,7 @@ use error::{Misfit, TelemetryError};
 pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
 use select::Fit;
+use undecodable::UndecodableMessage;
 
 /// The telemetry of one log: which channels have it, and how to read their messages. Clones may each read some of the
 /// messages, and be [merged](Source::merge) again.
@@ -171,6 +173,18 @@ impl Source {
                 ids: mixed.ids,
             }),
         }
+    }
+
+    /// The earliest message of a kind of sample that could not be decoded, among those that have been read.
+    pub fn undecodable(&self, kind: Kind) -> Option<UndecodableMessage> {
+        let channels = self.channels.values().filter(|channel| channel.has(kind));
+        let undecodable = channels.filter_map(ChannelReader::undecodable);
+        let (log_time, problem) = undecodable.min_by_key(|(time, _)| *time)?.clone();
+        Some(UndecodableMessage {
+            topic: self.role(kind)?.topic.clone(),
+            log_time,
+            problem,
+        })
     }
 
     /// An angle of the attitude that was read as radians and is too large to be, once all messages have been read.

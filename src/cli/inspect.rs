@@ -164,6 +164,9 @@ fn describe_role(page: &mut Page, label: &str, found: &FoundRole) {
         let count = HumanCount(*count);
         page.line("", format!("{count}{of_how_many} {reason}"));
     }
+    if let Some(message) = &found.first_undecodable {
+        page.line("", format!("the first that cannot be decoded is {message}"));
+    }
 }
 
 /// Makes a table with one row of numbers per role.

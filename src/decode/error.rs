@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::{
+    fault::Fault,
     field::{FieldKind, Shape},
     path::FieldPath,
     schema::SUPPORTED,
@@ -36,6 +37,8 @@ pub enum SchemaError {
     UndefinedProtobufMessage { name: Foreign },
     #[error("its JSON schema cannot be read: {}", escaped(.0))]
     JsonSchema(serde_json::Error),
+    #[error("its first messages cannot be read: {0}")]
+    NotJson(Fault),
     #[error("its ROS message definition cannot be used: {0}")]
     RosDefinition(#[from] RosDefinitionError),
     #[error("it has no field {}; {place} has {}", quote(missing), list(available))]
@@ -179,6 +182,7 @@ impl SchemaError {
                 | Self::ProtobufSchema(_)
                 | Self::UndefinedProtobufMessage { .. }
                 | Self::JsonSchema(_)
+                | Self::NotJson(_)
                 | Self::RosDefinition(_)
                 | Self::AfterWideText { .. }
         )

@@ -4,6 +4,7 @@
 //! the schema leaves open. A message is then read by a streaming parser, without building it.
 
 mod decoder;
+mod fault;
 mod first_messages;
 mod non_finite;
 mod schema;

@@ -47,6 +47,11 @@ impl FieldPath {
         &self.steps
     }
 
+    /// The path with these steps; `None` if there are none, or the first is not a name.
+    pub(super) fn of_steps(steps: Vec<PathStep>) -> Option<Self> {
+        matches!(steps.first(), Some(PathStep::Name(_))).then_some(Self { steps })
+    }
+
     /// The path of the first `count` steps.
     pub(crate) fn first(&self, count: usize) -> Self {
         Self {

@@ -4,6 +4,7 @@
 //! by field numbers (<https://protobuf.dev/programming-guides/encoding/>), without building it.
 
 mod decoder;
+mod fault;
 mod schema;
 
 pub use decoder::ProtobufDecoder;

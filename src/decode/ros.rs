@@ -23,6 +23,7 @@ use std::sync::Arc;
 
 use super::{
     error::SchemaError,
+    fault::Fault,
     field::{FieldKind, Wanted},
     path::FieldPath,
     resolve::{Node, resolve},
@@ -47,6 +48,8 @@ pub struct RosSchema {
 pub struct RosDecoder {
     dialect: Dialect,
     program: Program,
+    /// The wanted fields, in the order of their slots.
+    fields: Vec<FieldPath>,
 }
 
 impl RosSchema {
@@ -69,6 +72,7 @@ impl RosSchema {
         Ok(RosDecoder {
             dialect: self.dialect,
             program: Program::new(&root, fields, self.dialect)?,
+            fields: wanted.iter().map(|field| field.path.clone()).collect(),
         })
     }
 
@@ -83,5 +87,26 @@ impl RosDecoder {
     pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
         let mut cursor = Cursor::new(self.dialect, message)?;
         self.program.run(&mut cursor, &mut slots.values)
+    }
+
+    /// What is wrong with a message that cannot be decoded.
+    pub fn explain(&self, message: &[u8], slots: &mut Slots) -> Option<Fault> {
+        let length = message.len();
+        let mut cursor = match Cursor::new(self.dialect, message) {
+            Ok(cursor) => cursor,
+            Err(Undecodable::Xcdr2) => return Some(Fault::Xcdr2),
+            Err(Undecodable::ParameterList) => return Some(Fault::ParameterList),
+            Err(Undecodable::Malformed) => {
+                return Some(match message {
+                    &[high, low, _, _, ..] => Fault::Encapsulation([high, low]),
+                    _ => Fault::NoEncapsulation { length },
+                });
+            }
+        };
+        let slot = (self.program).first_unreadable(&mut cursor, &mut slots.values)?;
+        Some(Fault::EndsEarly {
+            field: self.fields[slot].clone(),
+            length,
+        })
     }
 }

@@ -4,6 +4,7 @@ use mcap::records::Channel;
 
 use super::{
     error::SchemaError,
+    fault::Fault,
     field::{FieldKind, Wanted},
     json::{FirstMessages, JsonDecoder, JsonSchema, Proof},
     path::FieldPath,
@@ -90,5 +91,15 @@ impl MessageDecoder {
             Self::Json(decoder) => decoder.decode(message, slots),
             Self::Ros(decoder) => decoder.decode(message, slots),
         }
+    }
+
+    /// What is wrong with a message that cannot be decoded. What is in the slots is lost.
+    pub fn explain(&self, message: &[u8], slots: &mut Slots) -> Option<Fault> {
+        slots.clear();
+        Fault::of_bytes(message).or_else(|| match self {
+            Self::Protobuf(decoder) => decoder.explain(message, slots),
+            Self::Json(decoder) => decoder.explain(message, slots),
+            Self::Ros(decoder) => decoder.explain(message, slots),
+        })
     }
 }

@@ -17,7 +17,7 @@ use crate::{
     log::ScanReason,
     options::Options,
     sample::{Kind, Tallies, Tally},
-    source::Source,
+    source::{Source, undecodable::UndecodableMessage},
     transform::{Breaks, Outcome},
     writer::{Layout, Written, original::Original},
 };
@@ -88,6 +88,7 @@ impl<'a> Findings<'a> {
             topic: samples.topic.clone().unwrap_or_default(),
             tally: samples.tally.clone(),
             refused_frames: samples.refused_frames.clone(),
+            first_undecodable: self.source.undecodable(kind).map(Box::new),
         }
     }
 
@@ -135,6 +136,13 @@ impl<'a> Findings<'a> {
         tallies.map(Tally::unreadable).sum()
     }
 
+    /// The earliest message that could not be read.
+    fn first_undecodable(&self) -> Option<UndecodableMessage> {
+        let kinds = self.samples.keys();
+        let of_kinds = kinds.filter_map(|&kind| self.source.undecodable(kind));
+        of_kinds.min_by_key(|message| message.log_time)
+    }
+
     fn notes(&self, output: &Path, written: &Written, grown_by: u64) -> Vec<Note> {
         let log = &self.original.log;
         let layout = self.options.layout;
@@ -151,6 +159,7 @@ impl<'a> Findings<'a> {
             (log.contents.has_loose_messages()).then_some(Note::LooseMessages { layout }),
             (undecodable > 0).then_some(Note::Undecodable {
                 samples: undecodable,
+                first: self.first_undecodable(),
             }),
             written.checksum_was_wrong.then_some(Note::ChecksumWrong),
             self.note_on_ignored_gimbal(),

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{
     sample::{Kind, Tally},
-    source::{RefusedFrames, error::Misfit},
+    source::{RefusedFrames, error::Misfit, undecodable::UndecodableMessage},
     text::Foreign,
 };
 
@@ -46,6 +46,8 @@ pub enum MissingReason {
         /// The frames for which samples are not usable.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         refused_frames: Vec<RefusedFrames>,
+        /// The earliest message that could not be decoded.
+        first_undecodable: Option<Box<UndecodableMessage>>,
     },
     /// No two attitude samples belong together.
     NoneAdjacent {
@@ -67,6 +69,7 @@ impl fmt::Display for MissingReason {
                 topic,
                 tally,
                 refused_frames,
+                first_undecodable,
             } => {
                 let kind = sample.name();
                 match needed {
@@ -82,7 +85,10 @@ impl fmt::Display for MissingReason {
                 for refused in refused_frames {
                     write!(f, "; {refused}")?;
                 }
-                Ok(())
+                match first_undecodable {
+                    Some(message) => write!(f, "; the first that cannot be decoded is {message}"),
+                    None => Ok(()),
+                }
             }
             Self::NoneAdjacent { gaps, resets } => write!(
                 f,

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{CameraReport, lossy};
 use crate::{
     log::Log,
-    source::Source,
+    source::{Source, undecodable::UndecodableMessage},
     text::Foreign,
     writer::{Layout, provenance::EarlierRun},
 };
@@ -62,6 +62,8 @@ pub enum Note {
     Undecodable {
         /// How many samples they would have given.
         samples: u64,
+        /// The earliest of these messages.
+        first: Option<UndecodableMessage>,
     },
     /// The log's data does not match its checksum. The result has no checksum.
     ChecksumWrong,

@@ -22,6 +22,7 @@ use super::{
 };
 use crate::{
     decode::{
+        fault::Fault,
         field::Wanted,
         path::FieldPath,
         schema::{MessageDecoder, MessageSchema},
@@ -48,6 +49,8 @@ pub struct ChannelReader {
     /// What was found in the messages, by role.
     found: Vec<FoundInRole>,
     largest: LargestAngles,
+    /// The earliest message that could not be decoded: its log time, and what is wrong with it.
+    undecodable: Option<(u64, Fault)>,
 }
 
 /// What was found in the messages for one role.
@@ -103,6 +106,7 @@ impl ChannelReader {
             found: found.collect(),
             roles: roles.into(),
             largest: LargestAngles::default(),
+            undecodable: None,
         })
     }
 
@@ -126,6 +130,29 @@ impl ChannelReader {
             });
             emit(role.kind, sample);
         }
+        if decoded.is_err() {
+            self.note_undecodable(message);
+        }
+    }
+
+    #[cold]
+    fn note_undecodable(&mut self, message: &RawMessage) {
+        let known = self.undecodable.as_ref();
+        if known.is_none_or(|(time, _)| message.log_time < *time)
+            && let Some(fault) = self.decoder.explain(message.payload, &mut self.slots)
+        {
+            self.undecodable = Some((message.log_time, fault));
+        }
+    }
+
+    /// Whether the channel has samples of a kind.
+    pub fn has(&self, kind: Kind) -> bool {
+        self.roles.iter().any(|role| role.kind == kind)
+    }
+
+    /// The earliest message that could not be decoded: its log time, and what is wrong with it.
+    pub fn undecodable(&self) -> Option<&(u64, Fault)> {
+        self.undecodable.as_ref()
     }
 
     /// Whether the times of samples are log times.
@@ -143,6 +170,12 @@ impl ChannelReader {
                 frames.merge(more);
             }
         }
+        let both = self
+            .undecodable
+            .take()
+            .into_iter()
+            .chain(clone.undecodable.clone());
+        self.undecodable = both.min_by_key(|(time, _)| *time);
     }
 
     /// How samples of a kind were read.

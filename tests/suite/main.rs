@@ -40,6 +40,8 @@ mod decode {
     mod paths;
     mod ros;
     mod ros_random;
+    // What is wrong with a message that cannot be decoded.
+    mod undecodable;
 }
 
 mod enrich {

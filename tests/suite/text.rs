@@ -11,6 +11,7 @@ use flightcam::{
         NamedFrame, Origin, Reading, RefusedFrames,
         profile::convention::{Axes, SpeedUnit, WorldAxes},
         request::BadArgument,
+        undecodable::UndecodableMessage,
     },
     text,
     writer::provenance::EarlierRun,
@@ -241,7 +242,28 @@ fn no_error_says_a_name_unescaped() {
                 unit: SpeedUnit::MetresPerSecond,
             },
         }],
+        first_undecodable: Some(Box::new(UndecodableMessage {
+            topic: nasty(),
+            log_time: 0,
+            problem: Fault::Value {
+                field: field(),
+                value: nasty(),
+                wanted: Content::Number,
+            },
+        })),
     };
+    let faults = [
+        Fault::NotJson {
+            field: Some(field()),
+            problem: nasty(),
+            offset: 1,
+            text: nasty(),
+        },
+        Fault::EndsEarly {
+            field: field(),
+            length: 1,
+        },
+    ];
     let displayed = [
         reason.to_string(),
         Origin {
@@ -295,6 +317,7 @@ fn no_error_says_a_name_unescaped() {
         messages(3, listing),
         messages(5, [not_found]),
         displayed.map(|text| (text, 1)).into(),
+        messages(1, faults),
         messages(1, profile),
         messages(1, role),
         messages(1, argument),

@@ -63,9 +63,13 @@ fn on_the_log(note: &Note) -> Option<String> {
 
 fn on_the_samples(note: &Note) -> Option<String> {
     Some(match note {
-        Note::Undecodable { samples } => {
+        Note::Undecodable { samples, first } => {
             let samples = plural(*samples, "sample");
-            format!("{samples} could not be decoded as the log's schemas say")
+            let first = match first {
+                Some(message) => format!("; the first is in {message}"),
+                None => String::new(),
+            };
+            format!("{samples} could not be decoded as the log's schemas say{first}")
         }
         Note::GimbalIgnored { topic, camera } => {
             let (flag, is) = match camera {

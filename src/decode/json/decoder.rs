@@ -4,8 +4,9 @@ use std::fmt;
 
 use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 
-use super::non_finite;
+use super::{fault, non_finite};
 use crate::decode::{
+    fault::Fault,
     field::Shape,
     tree::{Branches, FieldTree},
     value::{FieldValue, Number, Slots, Undecodable},
@@ -17,14 +18,14 @@ pub struct JsonDecoder {
     fields: Branches<String, JsonLeaf>,
 }
 
-type JsonTree = FieldTree<String, JsonLeaf>;
+pub type JsonTree = FieldTree<String, JsonLeaf>;
 
 /// How a wanted field is read.
 #[derive(Debug)]
 pub struct JsonLeaf {
     slot: usize,
     /// Whether text is wanted, and not numbers.
-    is_text: bool,
+    pub is_text: bool,
 }
 
 impl JsonLeaf {
@@ -59,14 +60,24 @@ impl JsonDecoder {
             },
         };
         slots.quoted = quoted;
-        decoded
+        Ok(decoded?)
     }
 
-    fn read(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
+    /// What is wrong with a message that cannot be decoded.
+    pub fn explain(&self, message: &[u8], slots: &mut Slots) -> Option<Fault> {
+        let error = self.read(&non_finite::blank(message), slots).err()?;
+        let of_value = match error.is_data() {
+            true => fault::of_values(&self.fields, message),
+            false => None,
+        };
+        of_value.or_else(|| Some(fault::at_error(message, &error)))
+    }
+
+    fn read(&self, message: &[u8], slots: &mut Slots) -> Result<(), serde_json::Error> {
         let mut json = serde_json::Deserializer::from_slice(message);
         let fields = &self.fields;
         MessageSeed { fields, slots }.deserialize(&mut json)?;
-        Ok(json.end()?)
+        json.end()
     }
 }
 

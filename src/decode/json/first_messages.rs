@@ -9,8 +9,11 @@ use std::{
 use mcap::records::Channel;
 use serde_json::Value;
 
-use super::non_finite;
-use crate::log::{LONGEST_EXAMPLE, Log, ReadError};
+use super::{fault, non_finite};
+use crate::{
+    decode::fault::Fault,
+    log::{LONGEST_EXAMPLE, Log, ReadError},
+};
 
 /// The first messages of JSON channels.
 #[derive(Debug)]
@@ -28,6 +31,8 @@ pub enum FirstMessages<'a> {
 #[derive(Debug, Default)]
 pub struct Examples {
     first: Vec<Value>,
+    /// What is wrong with them if none is JSON.
+    fault: Option<Fault>,
     /// These and those that follow, read if these do not show enough.
     more: OnceCell<Vec<Value>>,
 }
@@ -72,6 +77,14 @@ impl<'a> FirstMessages<'a> {
         Ok(examples.map_or(&[], |examples| &examples.first))
     }
 
+    /// What is wrong with a channel's first messages if none of them is JSON.
+    pub fn fault_of(&self, channel_id: u16) -> Option<&Fault> {
+        match self {
+            Self::OfLog { channels, .. } => channels.get()?.get(&channel_id)?.fault.as_ref(),
+            Self::Given(_) => None,
+        }
+    }
+
     /// More of a channel's first messages, for fields that are null at first; `None` if they are not known yet.
     ///
     /// # Errors
@@ -104,6 +117,7 @@ fn read(log: &Log) -> Result<BTreeMap<u16, Examples>, ReadError> {
     let payloads = log.first_payloads(&json, FirstMessages::COUNT)?;
     let examples = |payloads: Vec<_>| Examples {
         first: parse_all(&payloads),
+        fault: fault_of_all(&payloads),
         more: OnceCell::new(),
     };
     Ok((payloads.into_iter())
@@ -137,6 +151,13 @@ fn read_more(log: &Log, channel_id: u16) -> Result<Vec<Value>, ReadError> {
 
 fn parse_all(payloads: &[Vec<u8>]) -> Vec<Value> {
     payloads.iter().map(|payload| parse(payload)).collect()
+}
+
+/// What is wrong with the first of some messages if none of them is JSON.
+fn fault_of_all(payloads: &[Vec<u8>]) -> Option<Fault> {
+    let mut faults = payloads.iter().map(|payload| fault::of_message(payload));
+    let first = faults.next()??;
+    faults.all(|fault| fault.is_some()).then_some(first)
 }
 
 /// What is not JSON shows no field.

@@ -5,6 +5,8 @@
 //! They are put in quotes before the JSON is parsed: a number that is wanted may be written as a string, and those that
 //! are not wanted are skipped like any other.
 
+use std::ops::Range;
+
 use serde_json::Value;
 
 /// Parses JSON in which there may be such numbers, which become strings.
@@ -22,24 +24,15 @@ pub fn parse(json: &[u8]) -> Result<Value, serde_json::Error> {
 /// otherwise it stays as it is.
 pub fn quote(json: &[u8], quoted: &mut Vec<u8>) -> bool {
     let mut copied = 0;
-    let mut at = 0;
-    while let Some(&byte) = json.get(at) {
-        if byte == b'"' {
-            at = end_of_string(json, at + 1);
-            continue;
+    for number in places(json) {
+        if copied == 0 {
+            quoted.clear();
         }
-        let word = (json[at..].iter().take_while(|byte| is_of_word(**byte))).count();
-        if is_non_finite(&json[at..at + word]) {
-            if copied == 0 {
-                quoted.clear();
-            }
-            quoted.extend_from_slice(&json[copied..at]);
-            copied = at + word;
-            quoted.push(b'"');
-            quoted.extend_from_slice(&json[at..copied]);
-            quoted.push(b'"');
-        }
-        at += word.max(1);
+        quoted.extend_from_slice(&json[copied..number.start]);
+        quoted.push(b'"');
+        quoted.extend_from_slice(&json[number.clone()]);
+        quoted.push(b'"');
+        copied = number.end;
     }
     if copied > 0 {
         quoted.extend_from_slice(&json[copied..]);
@@ -47,8 +40,38 @@ pub fn quote(json: &[u8], quoted: &mut Vec<u8>) -> bool {
     copied > 0
 }
 
+/// The same JSON with zeros for such numbers and everything else where it was.
+pub fn blank(json: &[u8]) -> Vec<u8> {
+    let mut blanked = json.to_vec();
+    for number in places(json) {
+        blanked[number.clone()].fill(b' ');
+        blanked[number.start] = b'0';
+    }
+    blanked
+}
+
+/// Where such numbers are, outside of strings.
+fn places(json: &[u8]) -> impl Iterator<Item = Range<usize>> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        while let Some(&byte) = json.get(at) {
+            if byte == b'"' {
+                at = end_of_string(json, at + 1);
+                continue;
+            }
+            let start = at;
+            let word = (json[at..].iter().take_while(|byte| is_of_word(**byte))).count();
+            at += word.max(1);
+            if is_non_finite(&json[start..start + word]) {
+                return Some(start..at);
+            }
+        }
+        None
+    })
+}
+
 /// The place after a string, of which everything before `at` was read.
-fn end_of_string(json: &[u8], mut at: usize) -> usize {
+pub fn end_of_string(json: &[u8], mut at: usize) -> usize {
     loop {
         match json.get(at) {
             None => return json.len(),

@@ -83,6 +83,9 @@ impl<'a> JsonSchema<'a> {
             Shown::Value(_) => Ok(kind),
             Shown::Null if is_enough => Ok(kind),
             _ if described.schema.is_some() && is_enough => Ok(kind),
+            _ if let Some(fault) = self.first_messages.fault_of(self.channel_id) => {
+                Err(SchemaError::NotJson(fault.clone()))
+            }
             _ => Err(SchemaError::NoSuchField {
                 missing: vec![path.clone()],
                 place: Listing::FirstMessages,

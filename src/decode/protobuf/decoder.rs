@@ -4,9 +4,11 @@ use prost::{
     bytes::Buf,
     encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field},
 };
-use prost_reflect::{FieldDescriptor, Kind};
+use prost_reflect::{FieldDescriptor, Kind, MessageDescriptor};
 
+use super::fault::Finder;
 use crate::decode::{
+    fault::Fault,
     field::Shape,
     tree::{Branches, FieldTree},
     value::{FieldValue, Number, Slots, Undecodable},
@@ -15,10 +17,11 @@ use crate::decode::{
 /// Reads the wanted fields of one message type.
 #[derive(Debug)]
 pub struct ProtobufDecoder {
+    message: MessageDescriptor,
     fields: Branches<u32, ProtobufLeaf>,
 }
 
-type ProtobufTree = FieldTree<u32, ProtobufLeaf>;
+pub type ProtobufTree = FieldTree<u32, ProtobufLeaf>;
 
 /// How a wanted field is read.
 #[derive(Debug)]
@@ -55,13 +58,18 @@ enum ProtobufScalar {
 }
 
 impl ProtobufDecoder {
-    pub fn new(fields: Branches<u32, ProtobufLeaf>) -> Self {
-        Self { fields }
+    pub fn new(message: MessageDescriptor, fields: Branches<u32, ProtobufLeaf>) -> Self {
+        Self { message, fields }
     }
 
     /// Reads a message's wanted fields into their slots, which must be cleared.
     pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
         read_message(&self.fields, message, slots)
+    }
+
+    /// What is wrong with a message that cannot be decoded.
+    pub fn explain(&self, message: &[u8], slots: &mut Slots) -> Option<Fault> {
+        Finder::new(message, slots).find(&self.message, &self.fields, message)
     }
 }
 
@@ -205,7 +213,7 @@ fn read_message(
     Ok(())
 }
 
-fn read_field(
+pub fn read_field(
     node: &ProtobufTree,
     wire_type: WireType,
     bytes: &mut &[u8],
@@ -270,7 +278,7 @@ fn read_elements(
     }
 }
 
-fn take_delimited<'a>(bytes: &mut &'a [u8]) -> Result<&'a [u8], Undecodable> {
+pub fn take_delimited<'a>(bytes: &mut &'a [u8]) -> Result<&'a [u8], Undecodable> {
     let length = usize::try_from(decode_varint(bytes)?).map_err(|_| Undecodable::Malformed)?;
     let (delimited, rest) = bytes
         .split_at_checked(length)

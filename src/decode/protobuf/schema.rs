@@ -41,7 +41,7 @@ impl ProtobufSchema {
                 ProtobufLeaf::new(field, shape, slot)
             }
         })?;
-        Ok(ProtobufDecoder::new(fields))
+        Ok(ProtobufDecoder::new(self.message.clone(), fields))
     }
 
     fn root(&self) -> ProtobufNode {

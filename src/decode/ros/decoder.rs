@@ -59,6 +59,54 @@ impl Op {
             _ => None,
         }
     }
+
+    #[inline]
+    fn run(&self, cursor: &mut Cursor, slots: &mut [FieldValue]) -> Result<(), Undecodable> {
+        match self {
+            Self::Skip(skip) => cursor.skip(std::slice::from_ref(skip))?,
+            Self::Number { scalar, slot } => slots[*slot].set(cursor.number(*scalar)?),
+            Self::Numbers {
+                scalar,
+                length,
+                slot,
+            } => {
+                slots[*slot].set_empty_list();
+                for _ in 0..cursor.length(*length)? {
+                    slots[*slot].push(cursor.number(*scalar)?);
+                }
+            }
+            Self::Text { slot } => slots[*slot].set_text(cursor.text()?),
+            Self::Elements {
+                length,
+                element,
+                wanted,
+            } => {
+                let length = cursor.length(*length)?;
+                let mut passed = 0;
+                for (place, program) in wanted.iter().take_while(|(place, _)| *place < length) {
+                    cursor.skip_elements(element, place - passed)?;
+                    program.run(cursor, slots)?;
+                    passed = place + 1;
+                }
+                cursor.skip_elements(element, length - passed)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The first of the slots that it reads into.
+    fn first_slot(&self) -> Option<usize> {
+        match self {
+            Self::Skip(_) => None,
+            Self::Number { slot, .. } | Self::Numbers { slot, .. } | Self::Text { slot } => {
+                Some(*slot)
+            }
+            Self::Elements { wanted, .. } => {
+                let mut programs = wanted.iter();
+                programs.find_map(|(_, program)| program.0.iter().find_map(Self::first_slot))
+            }
+        }
+    }
 }
 
 impl Program {
@@ -71,38 +119,14 @@ impl Program {
     }
 
     pub fn run(&self, cursor: &mut Cursor, slots: &mut [FieldValue]) -> Result<(), Undecodable> {
-        for op in &self.0 {
-            match op {
-                Op::Skip(skip) => cursor.skip(std::slice::from_ref(skip))?,
-                Op::Number { scalar, slot } => slots[*slot].set(cursor.number(*scalar)?),
-                Op::Numbers {
-                    scalar,
-                    length,
-                    slot,
-                } => {
-                    slots[*slot].set_empty_list();
-                    for _ in 0..cursor.length(*length)? {
-                        slots[*slot].push(cursor.number(*scalar)?);
-                    }
-                }
-                Op::Text { slot } => slots[*slot].set_text(cursor.text()?),
-                Op::Elements {
-                    length,
-                    element,
-                    wanted,
-                } => {
-                    let length = cursor.length(*length)?;
-                    let mut passed = 0;
-                    for (place, program) in wanted.iter().take_while(|(place, _)| *place < length) {
-                        cursor.skip_elements(element, place - passed)?;
-                        program.run(cursor, slots)?;
-                        passed = place + 1;
-                    }
-                    cursor.skip_elements(element, length - passed)?;
-                }
-            }
-        }
-        Ok(())
+        self.0.iter().try_for_each(|op| op.run(cursor, slots))
+    }
+
+    /// The slot of the first field that is not in a message as a whole.
+    pub fn first_unreadable(&self, cursor: &mut Cursor, slots: &mut [FieldValue]) -> Option<usize> {
+        let mut ops = self.0.iter();
+        let failed = ops.position(|op| op.run(cursor, slots).is_err())?;
+        self.0[failed..].iter().find_map(Op::first_slot)
     }
 }
 

@@ -104,6 +104,7 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
             "used": used,
             "dropped": dropped,
             "read_as": [read_as],
+            "first_undecodable": null,
             "share_invalid": (5 - used) as f64 / 5.0,
             "first": first,
         })
