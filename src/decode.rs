@@ -7,6 +7,8 @@
 //! | `schema` | the schema and the decoder of a channel, in any encoding: what other modules use |
 //! | `resolve` | a path → a place in a schema; all encodings share this walk |
 //! | `tree` | the wanted fields of a message, resolved, as decoders walk them |
+//! | `pick` | finding the first element of a list that satisfies filters |
+//! | `trial` | why a filter never holds |
 //! | `value` | the values of the wanted fields of one message |
 //! | `error` | why fields cannot be read from a channel's messages |
 //! | `fault` | what is wrong with a message that cannot be decoded |
@@ -29,11 +31,13 @@ pub(crate) mod error;
 pub(crate) mod fault;
 pub(crate) mod field;
 mod json;
+mod pick;
 mod protobuf;
 mod resolve;
 mod ros;
 pub(crate) mod schema;
 mod tree;
+pub(crate) mod trial;
 pub(crate) mod value;
 
 pub(crate) use json::{FirstMessages, Proof};

@@ -17,7 +17,7 @@ use serde::{Serialize, Serializer};
 
 use crate::{
     camera::{Camera, CameraError},
-    decode::path::FieldPath,
+    decode::{path::FieldPath, trial::UnmetFilter},
     derived::Quantity,
     error::Error,
     log::{Access, Log, SegmentReader, contents::Segment},
@@ -149,7 +149,7 @@ pub struct FoundRole {
     pub largest_gap_s: Option<f64>,
     /// How many of them were read to learn whether they are usable: all, or an even sample of a long log.
     pub read: u64,
-    /// How many of those were usable, and how many were not, for which reason.
+    /// How many of those were usable, how many were not, for which reason, and how many were of another source.
     #[serde(flatten)]
     pub tally: Tally,
     /// In which axes and units they were read, and why; more than one if messages differ.
@@ -159,22 +159,25 @@ pub struct FoundRole {
     pub refused_frames: Vec<RefusedFrames>,
     /// The earliest of those that could not be decoded.
     pub first_undecodable: Option<UndecodableMessage>,
-    /// The share of those that were not usable, 0 to 1.
+    /// The filters that held for none of those, and what their fields have instead.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unmet_filters: Vec<UnmetFilter>,
+    /// The share of the source's own that were not usable, 0 to 1.
     pub share_invalid: f64,
     /// The first usable one that was read.
     pub first: Option<FirstSample>,
 }
 
 impl FoundRole {
-    /// Describes the role in a log whose telemetry was logged at these times, by channel, each channel's in order.
+    /// Describes a role of a source whose messages were logged at these times, by channel, each channel's in order.
     fn new(
         log: &Log,
         source: &Source,
         (kind, role): (Kind, &Origin),
         times: &BTreeMap<u16, Vec<u64>>,
-        tally: &Tally,
-        first: Option<&Sample>,
+        sampled: &Sampled,
     ) -> Self {
+        let tally = &sampled.tallies[kind];
         let of_topic = || {
             log.contents
                 .channels_with_messages()
@@ -188,7 +191,7 @@ impl FoundRole {
         let [start, end] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0));
         let seconds = (end - start) as f64 / 1e9;
         let gaps = times.windows(2).map(|pair| pair[1] - pair[0]);
-        let read = tally.total();
+        let read = tally.total() + tally.unselected;
         Self {
             topic: role.topic.clone(),
             fields: role.fields.clone(),
@@ -203,11 +206,12 @@ impl FoundRole {
             read_as: source.read_as(kind),
             refused_frames: source.refused_frames(kind),
             first_undecodable: source.undecodable(kind),
-            share_invalid: match read {
+            unmet_filters: source.unmet_filters(kind),
+            share_invalid: match tally.total() {
                 0 => 0.0,
-                read => (read - tally.used) as f64 / read as f64,
+                total => (total - tally.used) as f64 / total as f64,
             },
-            first: first.map(FirstSample::from),
+            first: sampled.first.get(&kind).map(FirstSample::from),
         }
     }
 
@@ -312,15 +316,8 @@ impl Telemetry {
         let roles = source.roles().into_iter().map(|(kind, role)| {
             let role = match role {
                 Ok(role) => {
-                    let (tally, first) = (&sampled.tallies[kind], sampled.first.get(&kind));
-                    RoleReport::Found(Box::new(FoundRole::new(
-                        log,
-                        source,
-                        (kind, role),
-                        &times,
-                        tally,
-                        first,
-                    )))
+                    let found = FoundRole::new(log, source, (kind, role), &times, &sampled);
+                    RoleReport::Found(Box::new(found))
                 }
                 Err(misfit) => RoleReport::Missing {
                     missing: misfit.clone(),
@@ -378,6 +375,7 @@ impl Telemetry {
                 tally: found.tally.clone(),
                 refused_frames: found.refused_frames.clone(),
                 first_undecodable: found.first_undecodable.clone().map(Box::new),
+                unmet_filters: found.unmet_filters.clone(),
             }),
             RoleReport::Missing { missing } => Err(MissingReason::NoSamples {
                 sample: kind,
@@ -475,6 +473,9 @@ impl Sampled {
                     Err(reason) => sampled.tallies[kind].count_dropped(reason, 1),
                 });
             }
+        }
+        for kind in Kind::ALL {
+            sampled.tallies[kind].unselected = source.unselected(kind);
         }
         Ok(sampled)
     }

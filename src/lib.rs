@@ -116,10 +116,17 @@ pub mod profile {
             PositiveDirection, QuaternionOrder, SpeedUnit, TimeUnit, WorldAxes,
         },
     };
-    pub use crate::{decode::path::FieldPath, sample::GimbalReference};
+    pub use crate::{
+        decode::{
+            path::{Comparison, FieldPath, Filter, Literal},
+            value::Number,
+        },
+        sample::GimbalReference,
+    };
 }
 
 pub use camera::{Mount, MountOutOfRange};
+pub use decode::trial::UnmetFilter;
 pub use derived::{Derived, Quantity, Value};
 pub use enrich::{derive, enrich};
 pub use error::Error;

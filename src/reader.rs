@@ -11,7 +11,7 @@ mod workers;
 
 use crate::{
     log::{Log, ReadError, contents::Segment},
-    sample::{Sample, Tallies},
+    sample::{Kind, Sample, Tallies},
     source::Source,
 };
 
@@ -64,6 +64,10 @@ impl<'a> Reader<'a> {
         self,
         take: impl FnMut(Sample, u64) -> Result<(), E>,
     ) -> Result<(Source, Tallies), E> {
-        workers::read(self.log, self.source, &self.parts, take)
+        let (source, mut dropped) = workers::read(self.log, self.source, &self.parts, take)?;
+        for kind in Kind::ALL {
+            dropped[kind].unselected = source.unselected(kind);
+        }
+        Ok((source, dropped))
     }
 }

@@ -309,6 +309,14 @@ pub struct Tally {
     pub used: u64,
     /// Readings that were not.
     pub dropped: BTreeMap<DropReason, u64>,
+    /// Messages on the same topic that are of another source than the one that was selected. They are not counted as
+    /// readings.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub unselected: u64,
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl Tally {
@@ -341,6 +349,7 @@ impl Tallies {
     pub fn merge(&mut self, other: &Tallies) {
         for kind in Kind::ALL {
             self[kind].used += other[kind].used;
+            self[kind].unselected += other[kind].unselected;
             for (&reason, &count) in &other[kind].dropped {
                 self[kind].count_dropped(reason, count);
             }

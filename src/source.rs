@@ -11,6 +11,7 @@ mod channel;
 mod frames;
 mod pattern;
 mod select;
+mod selection;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -21,7 +22,11 @@ use mcap::records::Channel;
 use serde::{Serialize, Serializer, ser::SerializeStruct};
 
 use crate::{
-    decode::{Proof, path::FieldPath},
+    decode::{
+        Proof,
+        path::{FieldPath, Filter},
+        trial::UnmetFilter,
+    },
     log::{Log, record::RawMessage},
     sample::{DropReason, Kind, Sample},
     text::{self, Foreign},
@@ -53,6 +58,9 @@ pub struct Source {
 pub struct Origin {
     /// The topic.
     pub topic: Foreign,
+    /// Which of its messages; all, if empty.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub select: Vec<Filter>,
     /// The fields of its messages.
     pub fields: Vec<FieldPath>,
 }
@@ -175,6 +183,23 @@ impl Source {
         }
     }
 
+    /// How many of the messages that have been read are not of the source that was selected for a kind of sample.
+    pub fn unselected(&self, kind: Kind) -> u64 {
+        self.channels
+            .values()
+            .map(|channel| channel.unselected(kind))
+            .sum()
+    }
+
+    /// The filters for a kind of sample that held for none of the messages that have been read, and what their fields
+    /// have instead.
+    pub fn unmet_filters(&self, kind: Kind) -> Vec<UnmetFilter> {
+        let channels = self.channels.values().filter(|channel| channel.has(kind));
+        channels
+            .flat_map(|channel| channel.unmet_filters(kind))
+            .collect()
+    }
+
     /// The earliest message of a kind of sample that could not be decoded, among those that have been read.
     pub fn undecodable(&self, kind: Kind) -> Option<UndecodableMessage> {
         let channels = self.channels.values().filter(|channel| channel.has(kind));
@@ -210,7 +235,11 @@ fn distinct<'a, T: PartialEq + Clone + 'a>(all: impl Iterator<Item = &'a T>) -> 
 impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let fields = text::join(&self.fields, ", ");
-        write!(f, "{} has {fields}", self.topic)
+        write!(f, "{}", self.topic)?;
+        for filter in &self.select {
+            write!(f, "{{{filter}}}")?;
+        }
+        write!(f, " has {fields}")
     }
 }
 

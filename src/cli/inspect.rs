@@ -164,6 +164,13 @@ fn describe_role(page: &mut Page, label: &str, found: &FoundRole) {
         let count = HumanCount(*count);
         page.line("", format!("{count}{of_how_many} {reason}"));
     }
+    if found.tally.unselected > 0 {
+        let count = HumanCount(found.tally.unselected);
+        page.line("", format!("{count}{of_how_many} of another source"));
+    }
+    for unmet in &found.unmet_filters {
+        page.line("", unmet);
+    }
     if let Some(message) = &found.first_undecodable {
         page.line("", format!("the first that cannot be decoded is {message}"));
     }

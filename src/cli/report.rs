@@ -91,4 +91,8 @@ fn describe_samples(page: &mut Page, label: &str, samples: &SampleReport) {
     for (reason, count) in &samples.tally.dropped {
         page.line("", format!("{} dropped: {reason}", HumanCount(*count)));
     }
+    if samples.tally.unselected > 0 {
+        let messages = plural(samples.tally.unselected, "message");
+        page.line("", format!("{messages} of another source left out"));
+    }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use super::{
     fault::Fault,
     field::{FieldKind, Shape},
-    path::FieldPath,
+    path::{FieldPath, written},
     schema::SUPPORTED,
 };
 use crate::{
@@ -65,6 +65,8 @@ pub enum SchemaError {
         wanted: Expected,
         kind: FieldKind,
     },
+    #[error("elements of the list in `{path}` are wanted both by their place and by a filter")]
+    PlaceAndFilter { path: FieldPath },
     #[error("its field `{path}` is wanted both as a whole and in part")]
     Overlap { path: FieldPath },
     #[error(
@@ -169,6 +171,7 @@ impl SchemaError {
             Self::NotThere { .. }
             | Self::OutOfRange { .. }
             | Self::WrongShape { .. }
+            | Self::PlaceAndFilter { .. }
             | Self::Overlap { .. } => 1,
             _ => usize::MAX,
         }
@@ -199,6 +202,8 @@ fn list(names: &[Foreign]) -> String {
     if names.is_empty() {
         return "none".to_owned();
     }
+    // As paths have them.
+    let names: Vec<Foreign> = names.iter().map(|name| written(name).into()).collect();
     let listed = text::join(&names[..names.len().min(LISTED)], ", ");
     match names.len().saturating_sub(LISTED) {
         0 => listed,

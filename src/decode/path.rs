@@ -1,13 +1,26 @@
 //! Paths to fields, in Foxglove's message-path syntax: `/topic.field.sub[2]`
 //! (<https://docs.foxglove.dev/docs/visualization/message-path-syntax>).
+//!
+//! A topic or a name with characters that mean something here is put in double quotes, in which a backslash stands
+//! before a double quote or another backslash: `"/a.b"."OSD.pitch"`. A topic may be followed by filters, which say of
+//! which messages the path is, and a list by `[:]` and filters, which say of which element: the first that satisfies
+//! them all. Of Foxglove's syntax, slices without filters, places from the end, and comparisons other than `==` and
+//! `!=` are not read.
+
+mod filter;
+mod parse;
 
 use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
 use crate::text::{Foreign, escaped};
+pub use filter::{Comparison, Filter, Literal};
+use parse::Parser;
+pub(crate) use parse::split;
 
-/// A field of a message, of a nested message, or of a list: `roll`, `velocity.x`, `q[0]`, `esc[2].rpm`.
+/// A field of a message, of a nested message, or of a list: `roll`, `velocity.x`, `q[0]`, `esc[2].rpm`,
+/// `transforms[:]{child_frame_id=="base_link"}.transform`.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct FieldPath {
@@ -21,14 +34,18 @@ pub enum PathStep {
     Name(String),
     /// Leads to an element of a list, counted from 0.
     Index(usize),
+    /// Leads to the first element of a list that satisfies these filters, of which there is at least one.
+    First(Vec<Filter>),
 }
 
-/// A topic and, if one is named, a field of its messages: `/imu.orientation`, or `/imu` alone. A topic that contains
-/// characters with a meaning here is put in double quotes: `"/a.b".field`.
+/// A topic, which of its messages are meant, and, if one is named, a field of theirs: `/imu.orientation`,
+/// `/gimbal{device_id==1}.q`, or `/imu` alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MessagePath {
     /// The topic.
     pub topic: String,
+    /// What the messages must satisfy.
+    pub filters: Vec<Filter>,
     /// The field; `None` for the whole message.
     pub field: Option<FieldPath>,
 }
@@ -52,6 +69,12 @@ impl FieldPath {
         matches!(steps.first(), Some(PathStep::Name(_))).then_some(Self { steps })
     }
 
+    /// Whether it leads to the first element of a list that satisfies filters.
+    pub fn has_filters(&self) -> bool {
+        let mut steps = self.steps.iter();
+        steps.any(|step| matches!(step, PathStep::First(_)))
+    }
+
     /// The path of the first `count` steps.
     pub(crate) fn first(&self, count: usize) -> Self {
         Self {
@@ -71,61 +94,36 @@ impl FromStr for FieldPath {
     type Err = NotAPath;
 
     fn from_str(text: &str) -> Result<Self, NotAPath> {
-        let steps = parse_steps(text).ok_or_else(|| NotAPath {
+        Parser::read(text, Parser::field_path).ok_or_else(|| NotAPath {
             text: text.into(),
-            wanted: "the path of a field: write names joined by dots, and the place in a list, \
-                     counted from 0, in brackets, as in `velocity.x` or `q[0]` (slices and filters \
-                     are not supported)",
-        })?;
-        Ok(Self { steps })
+            wanted: "the path of a field: write names joined by dots, and after a list the place in it, counted from \
+                     0, as in `velocity.x` or `q[0]`, or a filter for its elements, as in \
+                     `transforms[:]{child_frame_id==\"base_link\"}`; put a name with other characters in double \
+                     quotes, as in `\"OSD.pitch\"`",
+        })
     }
-}
-
-fn parse_steps(text: &str) -> Option<Vec<PathStep>> {
-    let mut steps = Vec::new();
-    for part in text.split('.') {
-        let (name, indexes) = part.split_at(part.find('[').unwrap_or(part.len()));
-        if name.is_empty() || name.contains([']', '/', '"', '{', '@', ' ']) {
-            return None;
-        }
-        steps.push(PathStep::Name(name.to_owned()));
-        if !indexes.is_empty() {
-            let inner = indexes.strip_prefix('[')?.strip_suffix(']')?;
-            for index in inner.split("][") {
-                // `parse` accepts more than digits, for example `+1`.
-                let is_plain = index.bytes().all(|byte| byte.is_ascii_digit());
-                steps.push(PathStep::Index(index.parse().ok().filter(|_| is_plain)?));
-            }
-        }
-    }
-    Some(steps)
 }
 
 impl FromStr for MessagePath {
     type Err = NotAPath;
 
     fn from_str(text: &str) -> Result<Self, NotAPath> {
-        let not_a_path = || NotAPath {
+        Parser::read(text, Parser::message_path).ok_or_else(|| NotAPath {
             text: text.into(),
-            wanted: "a message path: write a topic and a field, as in `/imu.orientation` or \
-                     `/gps.velocity[0]`, and put a topic that has one of . , : [ { in double quotes",
-        };
-        let (topic, rest) = match text.strip_prefix('"') {
-            Some(quoted) => quoted.split_once('"').ok_or_else(not_a_path)?,
-            None => text.split_at(text.find(['.', '[', '{']).unwrap_or(text.len())),
-        };
-        if topic.is_empty() {
-            return Err(not_a_path());
-        }
-        let field = match rest.strip_prefix('.') {
-            Some("") => return Err(not_a_path()),
-            Some(field) => Some(field.parse()?),
-            None if rest.is_empty() => None,
-            None => return Err(not_a_path()),
-        };
-        Ok(Self {
-            topic: topic.to_owned(),
-            field,
+            wanted: "a message path: write a topic and a field, as in `/imu.orientation`, `/gps.velocity[0]` or \
+                     `/gimbal{device_id==1}.q`, and put a topic or a name that has one of . , : [ { in double quotes",
+        })
+    }
+}
+
+impl FromStr for Filter {
+    type Err = NotAPath;
+
+    fn from_str(text: &str) -> Result<Self, NotAPath> {
+        Parser::read(text, Parser::filter).ok_or_else(|| NotAPath {
+            text: text.into(),
+            wanted: "a filter: compare a field with a number, a truth value or a text in quotes, as in \
+                     `device_id==1` or `header.frame_id!=\"map\"`",
         })
     }
 }
@@ -140,14 +138,41 @@ impl TryFrom<String> for FieldPath {
 
 impl From<FieldPath> for String {
     fn from(path: FieldPath) -> Self {
-        path.steps
-            .iter()
-            .fold(Self::new(), |text, step| match step {
-                PathStep::Name(name) if text.is_empty() => name.clone(),
-                PathStep::Name(name) => format!("{text}.{name}"),
-                PathStep::Index(index) => format!("{text}[{index}]"),
-            })
+        let mut text = Self::new();
+        for step in &path.steps {
+            match step {
+                PathStep::Name(name) => {
+                    if !text.is_empty() {
+                        text.push('.');
+                    }
+                    text.push_str(&written(name));
+                }
+                PathStep::Index(index) => text.push_str(&format!("[{index}]")),
+                PathStep::First(filters) => {
+                    text.push_str("[:]");
+                    for filter in filters {
+                        text.push_str(&format!("{{{}}}", Self::from(filter.clone())));
+                    }
+                }
+            }
+        }
+        text
     }
+}
+
+/// A name as a path has it: in quotes if it has characters that mean something in paths or in arguments.
+pub(crate) fn written(name: &str) -> String {
+    let needs_quotes = |c: char| c.is_whitespace() || ".,:;/\\[]{}()<>\"'`=!@$&|".contains(c);
+    match name.is_empty() || name.contains(needs_quotes) {
+        true => quoted(name),
+        false => name.to_owned(),
+    }
+}
+
+/// A text in double quotes.
+fn quoted(text: &str) -> String {
+    let escaped = text.replace('\\', r"\\").replace('"', r#"\""#);
+    format!("\"{escaped}\"")
 }
 
 impl fmt::Display for FieldPath {

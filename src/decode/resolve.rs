@@ -1,16 +1,18 @@
 //! A path → the place in a schema that it leads to: the walk that all encodings share.
 
+use std::fmt::Debug;
+
 use super::{
     error::{Listing, SchemaError},
     field::FieldKind,
-    path::{FieldPath, PathStep},
+    path::{FieldPath, Filter, PathStep},
 };
 use crate::text::Foreign;
 
 /// A place in a schema: a message, a list or a plain value, as one encoding describes it.
-pub trait Node: Sized {
+pub trait Node: Clone {
     /// How the encoding's decoder recognises a field of a message.
-    type Name;
+    type Name: Debug;
 
     /// What kind of value is there.
     fn kind(&self) -> FieldKind;
@@ -24,6 +26,11 @@ pub trait Node: Sized {
     /// An element, counted from 0; `None` if this is not a list, or one that is always shorter.
     fn element(&self, index: usize) -> Option<Self>;
 
+    /// An element that may be the first to satisfy filters; `None` if this is not a list, or one that is always empty.
+    fn first(&self, _filters: &[Filter]) -> Option<Self> {
+        self.element(0)
+    }
+
     /// How many elements the list always has; `None` if this is not a list, or one of varying length.
     fn length(&self) -> Option<usize> {
         None
@@ -34,21 +41,25 @@ pub trait Node: Sized {
 #[derive(Debug)]
 pub struct Resolved<N: Node> {
     pub node: N,
-    pub keys: Vec<Key<N::Name>>,
+    pub keys: Vec<Key<N>>,
 }
 
 /// A step of a path, with its name in the form that the encoding's decoder recognises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Key<Name> {
-    Name(Name),
+#[derive(Debug)]
+pub enum Key<N: Node> {
+    Name(N::Name),
     Index(usize),
+    /// The first element that satisfies these filters, each with the place of its field in the element.
+    First(Vec<(Filter, Resolved<N>)>),
 }
 
 /// The last place that exists on a path, and how many steps lead to it.
 #[derive(Debug)]
-pub struct DeadEnd<N> {
+pub struct DeadEnd<'p, N> {
     pub node: N,
     pub depth: usize,
+    /// The path, or that of a filter on it.
+    path: &'p FieldPath,
 }
 
 /// Follows a path from the outermost message.
@@ -56,20 +67,24 @@ pub struct DeadEnd<N> {
 /// # Errors
 /// The schema does not have what the path leads to.
 pub fn resolve<N: Node>(root: N, path: &FieldPath) -> Result<Resolved<N>, SchemaError> {
-    walk(root, path).map_err(|dead_end| dead_end.explain(path))
+    walk(root, path).map_err(|dead_end| dead_end.explain())
 }
 
 /// Follows a path as far as it goes. Unlike [`resolve`] it spends nothing on saying why it ends too early.
-pub fn walk<N: Node>(root: N, path: &FieldPath) -> Result<Resolved<N>, DeadEnd<N>> {
+pub fn walk<N: Node>(root: N, path: &FieldPath) -> Result<Resolved<N>, DeadEnd<'_, N>> {
     let mut node = root;
     let mut keys = Vec::with_capacity(path.steps().len());
     for (depth, step) in path.steps().iter().enumerate() {
         let next = match step {
             PathStep::Name(name) => node.field(name).map(|(name, to)| (Key::Name(name), to)),
             &PathStep::Index(index) => node.element(index).map(|to| (Key::Index(index), to)),
+            PathStep::First(filters) => match node.first(filters) {
+                Some(to) => Some((Key::First(walk_filters(&to, filters)?), to)),
+                None => None,
+            },
         };
         let Some((key, to)) = next else {
-            return Err(DeadEnd { node, depth });
+            return Err(DeadEnd { node, depth, path });
         };
         keys.push(key);
         node = to;
@@ -77,15 +92,26 @@ pub fn walk<N: Node>(root: N, path: &FieldPath) -> Result<Resolved<N>, DeadEnd<N
     Ok(Resolved { node, keys })
 }
 
-impl<N: Node> DeadEnd<N> {
+/// Follows the paths of filters from an element.
+fn walk_filters<'p, N: Node>(
+    element: &N,
+    filters: &'p [Filter],
+) -> Result<Vec<(Filter, Resolved<N>)>, DeadEnd<'p, N>> {
+    (filters.iter())
+        .map(|filter| Ok((filter.clone(), walk(element.clone(), &filter.field)?)))
+        .collect()
+}
+
+impl<N: Node> DeadEnd<'_, N> {
+    /// The step that leads nowhere.
+    pub fn step(&self) -> &PathStep {
+        &self.path.steps()[self.depth]
+    }
+
     /// Explains why the path ends here.
-    fn explain(&self, path: &FieldPath) -> SchemaError {
-        let path = path.clone();
-        match (
-            &path.steps()[self.depth],
-            self.node.fields(),
-            self.node.length(),
-        ) {
+    fn explain(&self) -> SchemaError {
+        let path = self.path.clone();
+        match (self.step(), self.node.fields(), self.node.length()) {
             (PathStep::Name(_), Some((place, available)), _) => SchemaError::NoSuchField {
                 missing: vec![path],
                 place,

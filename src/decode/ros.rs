@@ -66,14 +66,16 @@ impl RosSchema {
     }
 
     /// Makes a decoder that puts the n-th wanted field into slot n.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<RosDecoder, SchemaError> {
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<(RosDecoder, Slots), SchemaError> {
         let root = self.root();
-        let fields = FieldTree::Message(tree(&root, wanted, Op::read)?);
-        Ok(RosDecoder {
+        let (fields, slots) = tree(&root, wanted, Op::read)?;
+        let fields = FieldTree::Message(fields);
+        let decoder = RosDecoder {
             dialect: self.dialect,
             program: Program::new(&root, fields, self.dialect)?,
             fields: wanted.iter().map(|field| field.path.clone()).collect(),
-        })
+        };
+        Ok((decoder, slots))
     }
 
     fn root(&self) -> RosType {
@@ -86,7 +88,7 @@ impl RosDecoder {
     /// wanted element, its slot stays empty.
     pub fn decode(&self, message: &[u8], slots: &mut Slots) -> Result<(), Undecodable> {
         let mut cursor = Cursor::new(self.dialect, message)?;
-        self.program.run(&mut cursor, &mut slots.values)
+        self.program.run(&mut cursor, slots)
     }
 
     /// What is wrong with a message that cannot be decoded.
@@ -103,9 +105,9 @@ impl RosDecoder {
                 });
             }
         };
-        let slot = (self.program).first_unreadable(&mut cursor, &mut slots.values)?;
+        let slot = self.program.first_unreadable(&mut cursor, slots)?;
         Some(Fault::EndsEarly {
-            field: self.fields[slot].clone(),
+            field: self.fields.get(slot)?.clone(),
             length,
         })
     }

@@ -73,13 +73,22 @@ impl<'a> MessageSchema<'a> {
         }
     }
 
-    /// Makes a decoder that puts the n-th wanted field into slot n.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<MessageDecoder, SchemaError> {
-        match self {
-            Self::Protobuf(schema) => schema.decoder(wanted).map(MessageDecoder::Protobuf),
-            Self::Json(schema) => schema.decoder(wanted).map(MessageDecoder::Json),
-            Self::Ros(schema) => schema.decoder(wanted).map(MessageDecoder::Ros),
-        }
+    /// Makes a decoder that puts the n-th wanted field into slot n, and slots for all that it reads.
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<(MessageDecoder, Slots), SchemaError> {
+        Ok(match self {
+            Self::Protobuf(schema) => {
+                let (decoder, slots) = schema.decoder(wanted)?;
+                (MessageDecoder::Protobuf(decoder), slots)
+            }
+            Self::Json(schema) => {
+                let (decoder, slots) = schema.decoder(wanted)?;
+                (MessageDecoder::Json(decoder), slots)
+            }
+            Self::Ros(schema) => {
+                let (decoder, slots) = schema.decoder(wanted)?;
+                (MessageDecoder::Ros(decoder), slots)
+            }
+        })
     }
 }
 

@@ -1,9 +1,6 @@
 //! The values of the wanted fields of one message.
 
-use super::{
-    field::{Shape, Wanted},
-    path::PathStep,
-};
+use super::{field::Shape, trial::Trial};
 
 /// A number of a message, at full precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +27,36 @@ impl Number {
             Self::Signed(number) => number == integer,
             Self::Unsigned(number) => i64::try_from(number) == Ok(integer),
         }
+    }
+
+    /// Whether it equals another number: exactly, if both are integers.
+    pub fn equals(self, other: Self) -> bool {
+        match (self.integer(), other.integer()) {
+            (Some(this), Some(other)) => this == other,
+            _ => self.to_f64() == other.to_f64(),
+        }
+    }
+
+    fn integer(self) -> Option<i128> {
+        match self {
+            Self::Real(_) => None,
+            Self::Signed(number) => Some(number.into()),
+            Self::Unsigned(number) => Some(number.into()),
+        }
+    }
+
+    /// Parses a number, of which an integer may have 64 bits.
+    pub fn in_text(text: &str) -> Option<Self> {
+        let integer =
+            (text.parse().map(Self::Signed)).or_else(|_| text.parse().map(Self::Unsigned));
+        integer
+            .or_else(|_| text.trim().parse().map(Self::Real))
+            .ok()
+    }
+
+    /// Like [`in_text`](Self::in_text), for a finite number.
+    pub fn finite_in(text: &str) -> Option<Self> {
+        Self::in_text(text).filter(|number| number.to_f64().is_finite())
     }
 
     /// The bits of an integer, two's complement if negative.
@@ -144,6 +171,15 @@ impl FieldValue {
         }
     }
 
+    /// Becomes the same as another value, with the memory that it has.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.content = other.content;
+        self.count = other.count;
+        self.numbers = other.numbers;
+        self.text.clear();
+        self.text.extend_from_slice(&other.text);
+    }
+
     pub fn clear(&mut self) {
         self.content = Content::Nothing;
     }
@@ -183,29 +219,30 @@ impl FieldValue {
 /// What one message held: a value for each wanted field, and what the decoder counts while it reads.
 #[derive(Debug, Clone, Default)]
 pub struct Slots {
-    /// The values, in the order in which the fields were wanted.
+    /// The values: first of the wanted fields, in their order, then of those that decide which element of a list is
+    /// read, and of that.
     pub values: Vec<FieldValue>,
-    /// How many elements were seen of each list that a path leads into. There are no more such lists than indexes in
-    /// paths.
+    /// How many elements were seen of each list that a path leads into, or found of those that satisfy filters.
     pub seen: Vec<usize>,
+    /// What is noted of the filters by which elements are chosen.
+    pub trials: Vec<Trial>,
+    /// The slots of wanted fields that are those of such an element, and what counts it in [`seen`](Self::seen).
+    pub picked: Vec<(usize, usize)>,
     /// The latest JSON message with a bare `NaN` or the like, with quotes around these. Empty if there was none.
     pub quoted: Vec<u8>,
 }
 
 impl Slots {
-    /// Makes slots for the values of these fields.
-    pub fn new(wanted: &[Wanted]) -> Self {
-        let steps = wanted.iter().flat_map(|field| field.path.steps());
-        let lists = steps
-            .filter(|step| matches!(step, PathStep::Index(_)))
-            .count();
-        Self {
-            values: (wanted.iter())
-                .map(|field| FieldValue::with_room_for(field.shape))
-                .collect(),
-            seen: vec![0; lists],
-            quoted: Vec::new(),
-        }
+    /// Makes room for the value of another field. Returns its slot.
+    pub fn add_value(&mut self, shape: Shape) -> usize {
+        self.values.push(FieldValue::with_room_for(shape));
+        self.values.len() - 1
+    }
+
+    /// Makes room for another count. Returns its place.
+    pub fn add_count(&mut self) -> usize {
+        self.seen.push(0);
+        self.seen.len() - 1
     }
 
     /// Clears the slots for the next message.

@@ -55,6 +55,10 @@ impl Findings<'_> {
                 read_as.expect("plain data is JSON"),
             );
             add(&format!("{kind}_used"), samples.tally.used.to_string());
+            if samples.tally.unselected > 0 {
+                let unselected = samples.tally.unselected.to_string();
+                add(&format!("{kind}_unselected"), unselected);
+            }
             for (reason, count) in &samples.tally.dropped {
                 let key = format!("{kind}_dropped_{}", reason.name());
                 add(&key, count.to_string());

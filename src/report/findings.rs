@@ -89,6 +89,7 @@ impl<'a> Findings<'a> {
             tally: samples.tally.clone(),
             refused_frames: samples.refused_frames.clone(),
             first_undecodable: self.source.undecodable(kind).map(Box::new),
+            unmet_filters: self.source.unmet_filters(kind),
         }
     }
 

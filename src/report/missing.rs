@@ -5,9 +5,10 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::{
+    decode::trial::UnmetFilter,
     sample::{Kind, Tally},
     source::{RefusedFrames, error::Misfit, undecodable::UndecodableMessage},
-    text::Foreign,
+    text::{self, Foreign},
 };
 
 /// A topic that the result does not have.
@@ -48,6 +49,9 @@ pub enum MissingReason {
         refused_frames: Vec<RefusedFrames>,
         /// The earliest message that could not be decoded.
         first_undecodable: Option<Box<UndecodableMessage>>,
+        /// The filters that held for no message, and what their fields have instead.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        unmet_filters: Vec<UnmetFilter>,
     },
     /// No two attitude samples belong together.
     NoneAdjacent {
@@ -70,6 +74,7 @@ impl fmt::Display for MissingReason {
                 tally,
                 refused_frames,
                 first_undecodable,
+                unmet_filters,
             } => {
                 let kind = sample.name();
                 match needed {
@@ -84,6 +89,14 @@ impl fmt::Display for MissingReason {
                 }
                 for refused in refused_frames {
                     write!(f, "; {refused}")?;
+                }
+                match tally.unselected {
+                    0 => {}
+                    1 => f.write_str("; 1 message is of another source")?,
+                    count => write!(f, "; {count} messages are of another source")?,
+                }
+                if !unmet_filters.is_empty() {
+                    write!(f, ": {}", text::join(unmet_filters, ", and "))?;
                 }
                 match first_undecodable {
                     Some(message) => write!(f, "; the first that cannot be decoded is {message}"),

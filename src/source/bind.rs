@@ -9,7 +9,14 @@ mod ids;
 use super::profile::{
     Alternative, Condition, Profile, RoleFields, SampleTime, convention::TimeUnit,
 };
-use crate::{decode::path::FieldPath, sample::Kind, text::Foreign};
+use crate::{
+    decode::{
+        path::{FieldPath, Filter},
+        trial::Trial,
+    },
+    sample::Kind,
+    text::Foreign,
+};
 pub use binder::Binder;
 pub use error::BindError;
 use frames::bind_frames;
@@ -26,6 +33,8 @@ pub struct BoundRole {
     pub kind: Kind,
     /// The fields of the first reading, as the profile names them.
     pub fields: Vec<FieldPath>,
+    /// What it requires of the messages, as the profile says it.
+    pub select: Vec<Filter>,
     /// The ways to read a message, of which the first whose condition holds is used.
     pub readings: Vec<Reading>,
     /// Fields that tell sources apart.
@@ -35,6 +44,10 @@ pub struct BoundRole {
 /// One way to read a message as a sample.
 #[derive(Debug)]
 pub struct Reading {
+    /// What a message must satisfy to be of this source.
+    pub select: Vec<Filter<Slot>>,
+    /// What is noted of these filters at first: nothing.
+    pub trials: Vec<Trial>,
     pub condition: Option<Condition<Slot>>,
     pub time: SampleTime<TimeSlots>,
     pub valid: Vec<Slot>,
@@ -49,7 +62,7 @@ pub enum TimeSlots {
     SecondsAndNanoseconds([Slot; 2]),
 }
 
-/// Binds those alternatives of a role for which the schema has the fields, up to the first that needs no condition.
+/// Binds those alternatives of a role for which the schema has the fields, up to the first that reads any message.
 ///
 /// # Errors
 /// None fits; the error lists what is missing for the closest one.
@@ -63,6 +76,7 @@ pub fn bind_role(
     let mut role = BoundRole {
         kind,
         fields: Vec::new(),
+        select: Vec::new(),
         readings: Vec::new(),
         ids: Vec::new(),
     };
@@ -74,10 +88,10 @@ pub fn bind_role(
                 if role.readings.is_empty() {
                     role.ids = bind_ids(binder, fields[0]);
                     role.fields = fields.into_iter().cloned().collect();
+                    role.select = alternative.location.select.clone();
                 }
-                let needs_no_condition = reading.condition.is_none();
                 role.readings.push(reading);
-                if needs_no_condition {
+                if alternative.reads_any_message() {
                     break;
                 }
             }
@@ -105,6 +119,10 @@ fn bind_reading(
     let Alternative { location, fields } = alternative;
     let condition = location.when.as_ref();
     Ok(Reading {
+        select: (location.select.iter())
+            .map(|filter| binder.filter(filter))
+            .collect::<Result<_, _>>()?,
+        trials: location.select.iter().map(Trial::of).collect(),
         condition: condition.map(|when| binder.condition(when)).transpose()?,
         fields: binder.role(fields)?,
         valid: (location.valid.iter())

@@ -19,6 +19,7 @@ use super::{
         AttitudeFields, Components, Condition, Coordinates, Euler, Orientation, Pitch, RoleFields,
         SampleTime, Test, convention::AngleUnit,
     },
+    selection::Selection,
 };
 use crate::{
     decode::{
@@ -26,6 +27,7 @@ use crate::{
         field::Wanted,
         path::FieldPath,
         schema::{MessageDecoder, MessageSchema},
+        trial::{Trial, UnmetFilter},
         value::{FieldValue, Number, Slots, Undecodable},
     },
     geometry::RollPitchYaw,
@@ -56,6 +58,8 @@ pub struct ChannelReader {
 /// What was found in the messages for one role.
 #[derive(Debug, Clone)]
 struct FoundInRole {
+    /// What is noted while messages are selected.
+    selection: Selection,
     /// The frames of each reading.
     frames: Vec<FrameTracker>,
     ids: SeenIds,
@@ -96,14 +100,16 @@ impl ChannelReader {
         wanted: &[Wanted],
         roles: Vec<BoundRole>,
     ) -> Result<Self, BindError> {
+        let (decoder, slots) = schema.decoder(wanted)?;
         let found = roles.iter().map(|role| FoundInRole {
+            selection: Selection::new(role, &slots),
             frames: vec![FrameTracker::default(); role.readings.len()],
             ids: SeenIds::default(),
         });
         Ok(Self {
-            decoder: Arc::new(schema.decoder(wanted)?),
-            slots: Slots::new(wanted),
             found: found.collect(),
+            decoder: Arc::new(decoder),
+            slots,
             roles: roles.into(),
             largest: LargestAngles::default(),
             undecodable: None,
@@ -120,14 +126,24 @@ impl ChannelReader {
         let decoded = self.decoder.decode(message.payload, &mut self.slots);
         let values = self.slots.values.as_slice();
         for (role, found) in self.roles.iter().zip(&mut self.found) {
-            let sample = decoded.map_err(DropReason::from).and_then(|()| {
-                let place = reading_for(role, values)?;
-                let reading = &role.readings[place];
-                let conversion = found.frames[place].conversion(&reading.frames, values)?;
-                found.ids.note(&role.ids, values);
-                self.largest = self.largest.max(largest_angles(&reading.fields, values));
-                reading.sample(message, values, conversion)
-            });
+            let place = match decoded {
+                Ok(()) => found.selection.reading_for(role, &self.slots),
+                Err(undecodable) => Err(undecodable.into()),
+            };
+            let sample = match place {
+                Ok(Some(place)) => {
+                    let reading = &role.readings[place];
+                    let conversion = found.frames[place].conversion(&reading.frames, values);
+                    conversion.and_then(|conversion| {
+                        found.ids.note(&role.ids, values);
+                        self.largest = self.largest.max(largest_angles(&reading.fields, values));
+                        reading.sample(message, values, conversion)
+                    })
+                }
+                // The message is another source's.
+                Ok(None) => continue,
+                Err(reason) => Err(reason),
+            };
             emit(role.kind, sample);
         }
         if decoded.is_err() {
@@ -150,6 +166,25 @@ impl ChannelReader {
         self.roles.iter().any(|role| role.kind == kind)
     }
 
+    /// How many messages were not of the source that is selected for a kind of sample.
+    pub fn unselected(&self, kind: Kind) -> u64 {
+        self.selections_for(kind).map(Selection::unselected).sum()
+    }
+
+    /// The filters for a kind of sample that held for no message.
+    pub fn unmet_filters(&self, kind: Kind) -> Vec<UnmetFilter> {
+        let of_messages = self.selections_for(kind).flat_map(Selection::unmet);
+        let of_elements = self.slots.trials.iter().filter_map(Trial::unmet);
+        of_messages.chain(of_elements).collect()
+    }
+
+    fn selections_for(&self, kind: Kind) -> impl Iterator<Item = &Selection> {
+        let of_roles = self.roles.iter().zip(&self.found);
+        of_roles
+            .filter(move |(role, _)| role.kind == kind)
+            .map(|(_, found)| &found.selection)
+    }
+
     /// The earliest message that could not be decoded: its log time, and what is wrong with it.
     pub fn undecodable(&self) -> Option<&(u64, Fault)> {
         self.undecodable.as_ref()
@@ -165,6 +200,7 @@ impl ChannelReader {
     pub fn merge(&mut self, clone: &Self) {
         self.largest = self.largest.max(clone.largest);
         for (found, more) in self.found.iter_mut().zip(&clone.found) {
+            found.selection.merge(&more.selection);
             found.ids.merge(&more.ids);
             for (frames, more) in found.frames.iter_mut().zip(&more.frames) {
                 frames.merge(more);
@@ -176,6 +212,7 @@ impl ChannelReader {
             .into_iter()
             .chain(clone.undecodable.clone());
         self.undecodable = both.min_by_key(|(time, _)| *time);
+        Trial::merge_all(&mut self.slots.trials, &clone.slots.trials);
     }
 
     /// How samples of a kind were read.
@@ -216,19 +253,8 @@ impl ChannelReader {
     }
 }
 
-/// The reading that applies to a message, by its place.
-fn reading_for(role: &BoundRole, values: &[FieldValue]) -> Result<usize, DropReason> {
-    for (place, reading) in role.readings.iter().enumerate() {
-        match &reading.condition {
-            Some(condition) if !condition.holds(values)? => {}
-            _ => return Ok(place),
-        }
-    }
-    Err(DropReason::UnknownFrame)
-}
-
 impl Condition<Slot> {
-    fn holds(&self, values: &[FieldValue]) -> Result<bool, DropReason> {
+    pub fn holds(&self, values: &[FieldValue]) -> Result<bool, DropReason> {
         let value = &values[self.field];
         Ok(match &self.test {
             Test::Is(wanted) => exact(values, self.field)?.is(*wanted),

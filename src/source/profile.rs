@@ -19,7 +19,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::sample::Kind;
+use crate::{decode::path::FieldPath, sample::Kind};
 pub use components::{Components, WrongCount};
 pub use error::{BadRole, NotAProfile, ProfileError};
 pub use fields::{
@@ -63,6 +63,15 @@ pub struct Alternative {
     /// The fields that it reads from them.
     #[serde(flatten)]
     pub fields: RoleFields,
+}
+
+impl Alternative {
+    /// Whether it reads any message, whatever that says.
+    pub(in crate::source) fn reads_any_message(&self) -> bool {
+        let Location { when, select, .. } = &self.location;
+        let chooses_elements = |path: &&FieldPath| path.has_filters();
+        when.is_none() && select.is_empty() && !self.fields.fields().iter().any(chooses_elements)
+    }
 }
 
 /// Which profile to use.

@@ -54,7 +54,7 @@ impl Request {
                 .filter(|profile| profile.automatic)
                 .collect(),
         };
-        if let Some(RoleArgument::Topic(topic)) = attitude {
+        if let Some(RoleArgument::Topic { topic, .. }) = attitude {
             let knows = |profile: &Profile| {
                 let mut alternatives = profile.alternatives(Kind::Attitude).iter();
                 alternatives.any(|alternative| knows(alternative, topic))
@@ -85,13 +85,16 @@ impl Request {
 fn replace(alternatives: &mut Vec<Alternative>, argument: &RoleArgument) {
     match argument {
         RoleArgument::Fields(alternative) => *alternatives = vec![(**alternative).clone()],
-        RoleArgument::Topic(topic) => {
+        RoleArgument::Topic { topic, select } => {
             // How to read one topic says nothing about how to read others.
             if alternatives.iter().any(|one| knows(one, topic)) {
                 alternatives.retain(|one| knows(one, topic));
             }
             for alternative in alternatives {
                 alternative.location.topics = vec![topic.clone()];
+                if !select.is_empty() {
+                    alternative.location.select = select.clone();
+                }
             }
         }
     }

@@ -34,6 +34,8 @@ mod cli {
 mod decode {
     // Reading a field allocates nothing.
     mod allocations;
+    // The first element of a list that satisfies filters.
+    mod filtered_lists;
     // Bare NaN and Infinity.
     mod json_non_finite;
     mod list_paths;
@@ -108,6 +110,8 @@ mod source {
     mod profile_toml;
     mod selection;
     mod several_sources;
+    // Several sources on one topic, and names in quotes.
+    mod selectors;
     mod shared_schemas;
     // Which messages of a streamed log are kept.
     mod stream_filter;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use flightcam::{
-    Foreign, MissingReason,
-    decode::path::{FieldPath, MessagePath},
+    Foreign, MissingReason, UnmetFilter,
+    decode::path::{FieldPath, Filter, MessagePath},
     error::*,
     sample::{DropReason, Kind, Tally},
     source::{
@@ -90,6 +90,10 @@ fn path() -> PathBuf {
 
 fn field() -> FieldPath {
     "a\u{1b}\n".parse().expect("a path")
+}
+
+fn filter() -> Filter {
+    "\"a\u{1b}\n\"==\"b\u{1b}\n\"".parse().expect("a filter")
 }
 
 fn topics() -> LogTopics {
@@ -251,6 +255,12 @@ fn no_error_says_a_name_unescaped() {
                 wanted: Content::Number,
             },
         })),
+        unmet_filters: vec![UnmetFilter {
+            filter: filter(),
+            values: vec![filter().value],
+            has_more: false,
+            is_missing: false,
+        }],
     };
     let faults = [
         Fault::NotJson {
@@ -268,6 +278,7 @@ fn no_error_says_a_name_unescaped() {
         reason.to_string(),
         Origin {
             topic: nasty(),
+            select: vec![filter()],
             fields: vec![field()],
         }
         .to_string(),
@@ -285,6 +296,8 @@ fn no_error_says_a_name_unescaped() {
     let role = [
         BadRole::NoField { path: nasty() },
         BadRole::TopicTwice { topic: nasty() },
+        BadRole::SeveralSelections { topic: nasty() },
+        BadRole::SelectTwice { filter: nasty() },
         BadRole::SeveralTopics { topics: two() },
     ];
     let argument = [
@@ -294,6 +307,7 @@ fn no_error_says_a_name_unescaped() {
             known: vec![&["m"]],
         },
         BadArgument::LeftOver { word: nasty() },
+        BadArgument::SeveralSelections { topic: nasty() },
         BadArgument::NoFields {
             topic: nasty(),
             word: nasty(),
@@ -302,7 +316,8 @@ fn no_error_says_a_name_unescaped() {
     ];
     let not_paths = [
         "\u{1b}\n]".parse::<FieldPath>().err(),
-        "\n[".parse::<MessagePath>().map(|_| ()).err(),
+        "\n[".parse::<MessagePath>().err(),
+        "\u{1b}=".parse::<Filter>().err(),
     ];
     let run = RunError::NotRestorable {
         path: path(),

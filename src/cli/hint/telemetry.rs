@@ -63,7 +63,11 @@ fn choose_one(option: &str, example: Option<String>) -> String {
 fn role_argument(topic: &str) -> Option<String> {
     let is_topic = |argument: &String| {
         let parsed = RoleArgument::parse(Kind::Attitude, argument);
-        parsed == Ok(RoleArgument::Topic(topic.to_owned()))
+        parsed
+            == Ok(RoleArgument::Topic {
+                topic: topic.to_owned(),
+                select: Vec::new(),
+            })
     };
     let ways = [topic.to_owned(), format!("\"{topic}\"")];
     // Braces may stand for a number.

@@ -8,7 +8,7 @@ use super::{fault, non_finite};
 use crate::decode::{
     fault::Fault,
     field::Shape,
-    tree::{Branches, FieldTree},
+    tree::{Branches, FieldTree, First},
     value::{FieldValue, Number, Slots, Undecodable},
 };
 
@@ -85,16 +85,6 @@ impl From<serde_json::Error> for Undecodable {
     fn from(_: serde_json::Error) -> Self {
         Self::Malformed
     }
-}
-
-/// Parses a number that is written as a string, as protobuf's JSON form does for 64-bit integers, `NaN` and `Infinity`
-/// (<https://protobuf.dev/programming-guides/json/>), and some loggers for all numbers.
-pub fn number_in(text: &str) -> Option<Number> {
-    let integer =
-        (text.parse().map(Number::Signed)).or_else(|_| text.parse().map(Number::Unsigned));
-    integer
-        .or_else(|_| text.trim().parse().map(Number::Real))
-        .ok()
 }
 
 /// Reads an object: what is wanted of it goes to the slots, the rest is skipped without being built.
@@ -186,6 +176,7 @@ impl<'de> DeserializeSeed<'de> for NodeSeed<'_> {
             FieldTree::List { elements, .. } => {
                 deserializer.deserialize_any(ElementsVisitor { elements, slots })
             }
+            FieldTree::First(first) => deserializer.deserialize_any(FirstVisitor { first, slots }),
             FieldTree::Leaf(leaf) => {
                 let visitor = LeafVisitor {
                     is_text: leaf.is_text,
@@ -229,6 +220,42 @@ impl<'de> Visitor<'de> for ElementsVisitor<'_> {
                 break;
             }
         }
+        Ok(())
+    }
+}
+
+/// Reads a list up to the first elements that satisfy filters.
+struct FirstVisitor<'a> {
+    first: &'a First<String, JsonLeaf>,
+    slots: &'a mut Slots,
+}
+
+impl<'de> Visitor<'de> for FirstVisitor<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list")
+    }
+
+    /// `null` for a list leaves all of its elements missing.
+    fn visit_unit<E: serde::de::Error>(self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        let First { element, picks, .. } = self.first;
+        while !picks.are_found(self.slots) {
+            let slots = &mut *self.slots;
+            let fields = element;
+            if seq
+                .next_element_seed(MessageSeed { fields, slots })?
+                .is_none()
+            {
+                return Ok(());
+            }
+            picks.take(self.slots);
+        }
+        while seq.next_element::<IgnoredAny>()?.is_some() {}
         Ok(())
     }
 }
@@ -281,8 +308,11 @@ impl<'de> Visitor<'de> for LeafVisitor<'_> {
         if self.is_text {
             self.slot.set_text(text.as_bytes());
         } else {
+            // As protobuf's JSON form has 64-bit integers, `NaN` and `Infinity`
+            // (<https://protobuf.dev/programming-guides/json/>), and some loggers all numbers.
             let not_a_number = || E::invalid_type(Unexpected::Str(text), &"a number");
-            self.slot.set(number_in(text).ok_or_else(not_a_number)?);
+            self.slot
+                .set(Number::in_text(text).ok_or_else(not_a_number)?);
         }
         Ok(())
     }

@@ -4,14 +4,12 @@ use std::ops::Range;
 
 use serde_json::{Value, error::Category};
 
-use super::{
-    decoder::{JsonTree, number_in},
-    non_finite,
-};
+use super::{decoder::JsonTree, non_finite};
 use crate::decode::{
     fault::{Content, Fault, beginning},
     path::{FieldPath, PathStep},
     tree::FieldTree,
+    value::Number,
 };
 
 /// What is wrong with a message if it is not JSON.
@@ -137,7 +135,18 @@ fn in_tree(node: &JsonTree, value: &Value, place: &mut Vec<PathStep>) -> Option<
                 fault
             })
         }
-        (FieldTree::List { .. }, other) => unlike(place, other, Content::List),
+        (FieldTree::First(first), Value::Array(list)) => {
+            let mut elements = list.iter().enumerate();
+            elements.find_map(|(index, value)| {
+                place.push(PathStep::Index(index));
+                let fault = in_object(&first.element, value, place);
+                place.pop();
+                fault
+            })
+        }
+        (FieldTree::List { .. } | FieldTree::First(_), other) => {
+            unlike(place, other, Content::List)
+        }
         (FieldTree::Leaf(leaf), value) if leaf.is_text => match value {
             Value::Array(_) | Value::Object(_) => unlike(place, value, Content::Text),
             _ => None,
@@ -158,7 +167,7 @@ fn in_tree(node: &JsonTree, value: &Value, place: &mut Vec<PathStep>) -> Option<
 fn unless_number(place: &[PathStep], value: &Value) -> Option<Fault> {
     match value {
         Value::Null | Value::Bool(_) | Value::Number(_) => None,
-        Value::String(text) if number_in(text).is_some() => None,
+        Value::String(text) if Number::in_text(text).is_some() => None,
         other => unlike(place, other, Content::Number),
     }
 }

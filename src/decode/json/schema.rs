@@ -3,17 +3,18 @@
 use serde_json::{Map, Value};
 
 use super::{
-    decoder::{JsonDecoder, JsonLeaf, number_in},
+    decoder::{JsonDecoder, JsonLeaf},
     first_messages::FirstMessages,
     non_finite,
 };
 use crate::{
     decode::{
         error::{Listing, SchemaError},
-        field::{FieldKind, Wanted},
-        path::{FieldPath, PathStep},
+        field::{FieldKind, Shape, Wanted},
+        path::{FieldPath, Filter, PathStep},
         resolve::{Node, resolve, walk},
         tree::tree,
+        value::{FieldValue, Number, Slots},
     },
     text::Foreign,
 };
@@ -114,6 +115,7 @@ impl<'a> JsonSchema<'a> {
                     let least = place["minItems"].as_u64();
                     (least > Some(index as u64), &place["items"])
                 }
+                PathStep::First(_) => (false, &place["items"]),
             };
             place = next;
             is_required
@@ -121,9 +123,10 @@ impl<'a> JsonSchema<'a> {
     }
 
     /// Makes a decoder that puts the n-th wanted field into slot n.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<JsonDecoder, SchemaError> {
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<(JsonDecoder, Slots), SchemaError> {
         let leaf = |_: &_, shape, slot| Some(JsonLeaf::new(shape, slot));
-        Ok(JsonDecoder::new(tree(&self.root(), wanted, leaf)?))
+        let (fields, slots) = tree(&self.root(), wanted, leaf)?;
+        Ok((JsonDecoder::new(fields), slots))
     }
 
     fn root(&self) -> JsonSchemaNode<'_> {
@@ -162,9 +165,11 @@ impl<'a> Shown<'a> {
             Ok(place) if place.node.is_null() => Self::Null,
             Ok(place) => Self::Value(place.node),
             // A message that is not JSON.
-            Err(end) if end.depth == 0 => Self::Nothing,
-            Err(end) => match (end.node, &path.steps()[end.depth]) {
-                (Value::Null, _) | (Value::Array(_), PathStep::Index(_)) => Self::BelowNull,
+            Err(_) if message.is_null() => Self::Nothing,
+            Err(end) => match (end.node, end.step()) {
+                (Value::Null, _) | (Value::Array(_), PathStep::Index(_) | PathStep::First(_)) => {
+                    Self::BelowNull
+                }
                 _ => Self::Nothing,
             },
         }
@@ -223,7 +228,7 @@ impl Node for &Value {
         match self {
             Value::Null => FieldKind::Unknown,
             Value::Bool(_) | Value::Number(_) => FieldKind::Number,
-            Value::String(text) if number_in(text).is_some() => FieldKind::Number,
+            Value::String(text) if Number::in_text(text).is_some() => FieldKind::Number,
             Value::String(_) => FieldKind::Text,
             Value::Array(_) => FieldKind::List,
             Value::Object(fields) => FieldKind::Message(names(fields)),
@@ -242,6 +247,30 @@ impl Node for &Value {
     fn element(&self, index: usize) -> Option<Self> {
         self.get(index)
     }
+
+    /// The one that satisfies the filters or, if there is none here, one that shows what elements have.
+    fn first(&self, filters: &[Filter]) -> Option<Self> {
+        let list = self.as_array()?;
+        let is_meant = |element: &&Value| filters.iter().all(|filter| holds(filter, element));
+        list.iter().find(is_meant).or(list.first())
+    }
+}
+
+/// Whether an element of a list satisfies a filter.
+fn holds(filter: &Filter, element: &Value) -> bool {
+    let mut value = FieldValue::default();
+    match walk(element, &filter.field).map(|place| place.node) {
+        Ok(Value::Number(number)) => {
+            value.set(Number::in_text(&number.to_string()).unwrap_or_default())
+        }
+        Ok(&Value::Bool(truth)) => value.set(truth),
+        Ok(Value::String(text)) => match (filter.value.shape(), Number::in_text(text)) {
+            (Shape::Number, Some(number)) => value.set(number),
+            _ => value.set_text(text.as_bytes()),
+        },
+        _ => {}
+    }
+    filter.with_field(0).holds(&[value])
 }
 
 /// The fields that a schema lists, if it lists any.

@@ -240,6 +240,17 @@ pub fn read_field(
                 _ => leaf.read_one(wire_type, bytes, slot),
             }
         }
+        FieldTree::First(first) => match wire_type {
+            _ if first.picks.are_found(slots) => {
+                Ok(skip_field(wire_type, 1, bytes, DecodeContext::default())?)
+            }
+            WireType::LengthDelimited => {
+                read_message(&first.element, take_delimited(bytes)?, slots)?;
+                first.picks.take(slots);
+                Ok(())
+            }
+            _ => Err(Undecodable::Malformed),
+        },
         FieldTree::List { counter, elements } => {
             read_elements(*counter, elements, wire_type, bytes, slots)
         }

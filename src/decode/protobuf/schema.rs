@@ -9,6 +9,7 @@ use crate::decode::{
     path::FieldPath,
     resolve::{Node, resolve},
     tree::tree,
+    value::Slots,
 };
 
 /// A message type and the types that it is made of.
@@ -34,14 +35,14 @@ impl ProtobufSchema {
     }
 
     /// Makes a decoder that puts the n-th wanted field into slot n.
-    pub fn decoder(&self, wanted: &[Wanted]) -> Result<ProtobufDecoder, SchemaError> {
-        let fields = tree(&self.root(), wanted, |node, shape, slot| match node {
+    pub fn decoder(&self, wanted: &[Wanted]) -> Result<(ProtobufDecoder, Slots), SchemaError> {
+        let (fields, slots) = tree(&self.root(), wanted, |node, shape, slot| match node {
             ProtobufNode::Message(_) => None,
             ProtobufNode::Field(field) | ProtobufNode::Element(field) => {
                 ProtobufLeaf::new(field, shape, slot)
             }
         })?;
-        Ok(ProtobufDecoder::new(self.message.clone(), fields))
+        Ok((ProtobufDecoder::new(self.message.clone(), fields), slots))
     }
 
     fn root(&self) -> ProtobufNode {

@@ -8,8 +8,9 @@ use super::{
 use crate::decode::{
     error::SchemaError,
     field::Shape,
-    tree::FieldTree,
-    value::{FieldValue, Undecodable},
+    pick::Picks,
+    tree::{FieldTree, First},
+    value::{Slots, Undecodable},
 };
 
 /// Wanted fields by their indexes in messages, each with the operation that reads it.
@@ -41,6 +42,14 @@ pub enum Op {
         /// Programs for the wanted elements, by index in ascending order.
         wanted: Vec<(usize, Program)>,
     },
+    /// A list of which the first elements are wanted that satisfy filters.
+    First {
+        length: Length,
+        element: Extent,
+        /// Reads an element.
+        program: Program,
+        picks: Picks,
+    },
 }
 
 impl Op {
@@ -61,21 +70,21 @@ impl Op {
     }
 
     #[inline]
-    fn run(&self, cursor: &mut Cursor, slots: &mut [FieldValue]) -> Result<(), Undecodable> {
+    fn run(&self, cursor: &mut Cursor, slots: &mut Slots) -> Result<(), Undecodable> {
         match self {
             Self::Skip(skip) => cursor.skip(std::slice::from_ref(skip))?,
-            Self::Number { scalar, slot } => slots[*slot].set(cursor.number(*scalar)?),
+            Self::Number { scalar, slot } => slots.values[*slot].set(cursor.number(*scalar)?),
             Self::Numbers {
                 scalar,
                 length,
                 slot,
             } => {
-                slots[*slot].set_empty_list();
+                slots.values[*slot].set_empty_list();
                 for _ in 0..cursor.length(*length)? {
-                    slots[*slot].push(cursor.number(*scalar)?);
+                    slots.values[*slot].push(cursor.number(*scalar)?);
                 }
             }
-            Self::Text { slot } => slots[*slot].set_text(cursor.text()?),
+            Self::Text { slot } => slots.values[*slot].set_text(cursor.text()?),
             Self::Elements {
                 length,
                 element,
@@ -89,6 +98,20 @@ impl Op {
                     passed = place + 1;
                 }
                 cursor.skip_elements(element, length - passed)?;
+            }
+            Self::First {
+                length,
+                element,
+                program,
+                picks,
+            } => {
+                let mut left = cursor.length(*length)?;
+                while left > 0 && !picks.are_found(slots) {
+                    program.run(cursor, slots)?;
+                    picks.take(slots);
+                    left -= 1;
+                }
+                cursor.skip_elements(element, left)?;
             }
         }
         Ok(())
@@ -105,6 +128,7 @@ impl Op {
                 let mut programs = wanted.iter();
                 programs.find_map(|(_, program)| program.0.iter().find_map(Self::first_slot))
             }
+            Self::First { picks, .. } => picks.first_slot(),
         }
     }
 }
@@ -118,12 +142,12 @@ impl Program {
         Ok(Self(compiler.ops))
     }
 
-    pub fn run(&self, cursor: &mut Cursor, slots: &mut [FieldValue]) -> Result<(), Undecodable> {
+    pub fn run(&self, cursor: &mut Cursor, slots: &mut Slots) -> Result<(), Undecodable> {
         self.0.iter().try_for_each(|op| op.run(cursor, slots))
     }
 
     /// The slot of the first field that is not in a message as a whole.
-    pub fn first_unreadable(&self, cursor: &mut Cursor, slots: &mut [FieldValue]) -> Option<usize> {
+    pub fn first_unreadable(&self, cursor: &mut Cursor, slots: &mut Slots) -> Option<usize> {
         let mut ops = self.0.iter();
         let failed = ops.position(|op| op.run(cursor, slots).is_err())?;
         self.0[failed..].iter().find_map(Op::first_slot)
@@ -169,6 +193,11 @@ impl Compiler {
                 let op = self.elements(length, element, elements)?;
                 self.ops.push(op);
             }
+            (Fields::First(first), Some(length), element) => {
+                self.pass()?;
+                let op = self.first(length, element, first)?;
+                self.ops.push(op);
+            }
             _ => unreachable!("each path was resolved against the type"),
         }
         Ok(())
@@ -181,21 +210,40 @@ impl Compiler {
         mut wanted: Vec<(usize, Fields)>,
     ) -> Result<Op, SchemaError> {
         wanted.sort_unstable_by_key(|(place, _)| *place);
-        let value = RosType::from(element.clone());
-        let program = |(place, wanted)| {
-            let mut compiler = Self::new(self.dialect);
-            compiler.value(&value, wanted)?;
-            // Skip the rest of this element, because the next one comes after it.
-            compiler.pass()?;
-            Ok::<_, SchemaError>((place, Program(compiler.ops)))
-        };
-        let wanted = wanted.into_iter().map(program).collect::<Result<_, _>>()?;
+        let program = |(place, wanted)| Ok((place, self.element(element, wanted)?));
+        let wanted = wanted.into_iter().map(program);
         Ok(Op::Elements {
             length,
-            // There is no wide string in it: that would have been a barrier.
-            element: element.extent(self.dialect).unwrap_or_default(),
-            wanted,
+            element: self.extent(element),
+            wanted: wanted.collect::<Result<_, SchemaError>>()?,
         })
+    }
+
+    fn first(
+        &self,
+        length: Length,
+        element: &RosElement,
+        first: First<usize, Op>,
+    ) -> Result<Op, SchemaError> {
+        Ok(Op::First {
+            length,
+            element: self.extent(element),
+            program: self.element(element, Fields::Message(first.element))?,
+            picks: first.picks,
+        })
+    }
+
+    /// The program that reads an element of a list to its end, because the next one comes after it.
+    fn element(&self, element: &RosElement, wanted: Fields) -> Result<Program, SchemaError> {
+        let mut compiler = Self::new(self.dialect);
+        compiler.value(&element.clone().into(), wanted)?;
+        compiler.pass()?;
+        Ok(Program(compiler.ops))
+    }
+
+    /// How to skip an element. There is no wide string in it: that would have been a barrier.
+    fn extent(&self, element: &RosElement) -> Extent {
+        element.extent(self.dialect).unwrap_or_default()
     }
 
     fn leave_out(&mut self, field: &RosField) {

@@ -5,7 +5,7 @@ use crate::{
     decode::{
         error::{Expected, SchemaError},
         field::{FieldKind, Shape, Wanted},
-        path::FieldPath,
+        path::{FieldPath, Filter},
         schema::MessageSchema,
         value::FieldValue,
     },
@@ -232,6 +232,12 @@ impl<'a> Binder<'a> {
             Some(kind) => Err(wrong_shape(path, shape.into(), kind)),
             None => Ok(Slot::default()),
         }
+    }
+
+    /// Resolves a filter.
+    pub fn filter(&mut self, filter: &Filter) -> Result<Filter<Slot>, BindError> {
+        let slot = self.field(&filter.field, filter.value.shape())?;
+        Ok(filter.with_field(slot))
     }
 
     /// Resolves a condition.

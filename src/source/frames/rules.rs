@@ -441,7 +441,7 @@ impl TypeRule {
 fn begins_with(path: &FieldPath, names: &str) -> bool {
     let mut in_path = path.steps().iter().filter_map(|step| match step {
         PathStep::Name(name) => Some(name.as_str()),
-        PathStep::Index(_) => None,
+        PathStep::Index(_) | PathStep::First(_) => None,
     });
     names.split('.').all(|name| in_path.next() == Some(name))
 }

@@ -103,6 +103,17 @@ pub enum BadRole {
     SeveralTopics { topics: [Foreign; 2] },
 
     #[error(
+        "not all of the paths on {topic} have the same filter; what belongs to one sample must come in one message, so \
+         write the filter after the topic of every path"
+    )]
+    SeveralSelections { topic: Foreign },
+
+    #[error(
+        "a path has the filter `{filter}`, and there is `select` as well; leave one of the two out"
+    )]
+    SelectTwice { filter: Foreign },
+
+    #[error(
         "a pitch alone has no yaw that could be measured from north: it is measured from the horizon \
          under the drone's heading (`heading`), or from the airframe (`airframe`)"
     )]

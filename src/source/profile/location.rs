@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::convention::TimeUnit;
-use crate::decode::path::FieldPath;
+use crate::decode::path::{FieldPath, Filter};
 
 /// Which messages an alternative reads, whatever it reads from them.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
@@ -16,6 +16,10 @@ pub struct Location {
     /// The names of message types, of which a channel must have one; any, if empty. A `/msg/` within makes no
     /// difference.
     pub schemas: Vec<String>,
+    /// What a message must satisfy to be read at all, where those of several sources share a topic. Others are counted,
+    /// but not dropped.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub select: Vec<Filter>,
     /// What must hold for a message to be read this way. A message for which no alternative holds is dropped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub when: Option<Condition>,

@@ -6,7 +6,11 @@ use super::{
     Alternative, Profile,
     error::{BadRole, NotAProfile},
 };
-use crate::{decode::path::MessagePath, sample::Kind, source::pattern::VEHICLE};
+use crate::{
+    decode::path::{Filter, MessagePath},
+    sample::Kind,
+    source::pattern::VEHICLE,
+};
 
 /// The keys of a role below which there are paths.
 const WITH_PATHS: [&str; 8] = [
@@ -70,49 +74,77 @@ fn one_of(table: &Table, what: &'static str, keys: &'static [&'static str]) -> R
     }
 }
 
-/// If an alternative's paths name their topic, as in `/imu.orientation`, moves it from them into `topics`.
+/// If an alternative's paths name their topic, as in `/imu{id==1}.orientation`, moves it from them into `topics`, and
+/// its filters into `select`.
 fn lift_topic(alternative: &mut Table) -> Result<(), BadRole> {
-    let mut topics: Vec<String> = Vec::new();
+    let mut messages: Vec<Messages> = Vec::new();
     for key in WITH_PATHS {
         if let Some(value) = alternative.get_mut(key) {
-            lift_from(value, &mut topics)?;
+            lift_from(value, &mut messages)?;
         }
     }
-    topics.dedup();
-    let mut topics = topics.into_iter();
-    match (topics.next(), topics.next()) {
-        (None, _) => Ok(()),
-        (Some(one), Some(other)) => Err(BadRole::SeveralTopics {
-            topics: [one.into(), other.into()],
-        }),
-        (Some(topic), None) if alternative.contains_key("topics") => Err(BadRole::TopicTwice {
+    messages.dedup();
+    let mut messages = messages.into_iter();
+    let Some(Messages { topic, filters }) = messages.next() else {
+        return Ok(());
+    };
+    if let Some(other) = messages.next() {
+        return Err(match topic == other.topic {
+            true => BadRole::SeveralSelections {
+                topic: topic.into(),
+            },
+            false => BadRole::SeveralTopics {
+                topics: [topic.into(), other.topic.into()],
+            },
+        });
+    }
+    if alternative.contains_key("topics") {
+        return Err(BadRole::TopicTwice {
             topic: topic.into(),
-        }),
-        (Some(topic), None) => {
-            alternative.insert("topics".to_owned(), vec![topic].into());
-            Ok(())
-        }
+        });
     }
+    alternative.insert("topics".to_owned(), vec![topic].into());
+    if !filters.is_empty() {
+        let filters: Vec<String> = filters.into_iter().map(String::from).collect();
+        if alternative.contains_key("select") {
+            return Err(BadRole::SelectTwice {
+                filter: filters.concat().into(),
+            });
+        }
+        alternative.insert("select".to_owned(), filters.into());
+    }
+    Ok(())
 }
 
-fn lift_from(value: &mut Value, topics: &mut Vec<String>) -> Result<(), BadRole> {
+/// The messages that a path is of.
+#[derive(PartialEq)]
+struct Messages {
+    topic: String,
+    filters: Vec<Filter>,
+}
+
+fn lift_from(value: &mut Value, messages: &mut Vec<Messages>) -> Result<(), BadRole> {
     match value {
-        Value::String(text) if text.starts_with(['/', '"']) => {
-            let MessagePath { topic, field } = text.parse()?;
-            let field = field.ok_or_else(|| BadRole::NoField {
+        // A field may have a name in quotes, too.
+        Value::String(text) if text.trim_start_matches('"').starts_with('/') => {
+            let path: MessagePath = text.parse()?;
+            let field = path.field.ok_or_else(|| BadRole::NoField {
                 path: (&*text).into(),
             })?;
-            topics.push(topic);
+            messages.push(Messages {
+                topic: path.topic,
+                filters: path.filters,
+            });
             *text = field.into();
             Ok(())
         }
         Value::Array(values) => values
             .iter_mut()
-            .try_for_each(|value| lift_from(value, topics)),
+            .try_for_each(|value| lift_from(value, messages)),
         // The text that a field is compared with may look like a path, as ROS 1's frame ids do.
         Value::Table(table) => (table.iter_mut())
             .filter(|(key, _)| *key != "says")
-            .try_for_each(|(_, value)| lift_from(value, topics)),
+            .try_for_each(|(_, value)| lift_from(value, messages)),
         _ => Ok(()),
     }
 }

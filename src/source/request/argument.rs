@@ -7,7 +7,7 @@ use super::{
     parts::{Parts, REFERENCES, TIME_UNITS, Words, vocabulary},
 };
 use crate::{
-    decode::path::FieldPath,
+    decode::path::{FieldPath, Filter},
     sample::{GimbalReference, Kind},
     source::profile::{
         Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
@@ -17,11 +17,17 @@ use crate::{
 };
 
 /// One role's place in the log, as an argument gives it: paths of one topic, joined by commas, and after colons the
-/// units and conventions, as in `/imu.roll,/imu.pitch,/imu.yaw:degrees`.
+/// units and conventions, as in `/imu.roll,/imu.pitch,/imu.yaw:degrees`. Where several sources share a topic, a filter
+/// after it says which one is meant, as in `/gimbal{device_id==1}.q`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoleArgument {
     /// Only the topic; the profile says how to read its messages.
-    Topic(String),
+    Topic {
+        /// The topic.
+        topic: String,
+        /// What its messages must satisfy, if that is not left to the profile.
+        select: Vec<Filter>,
+    },
     /// The topic, the fields and the conventions.
     Fields(Box<Alternative>),
 }
@@ -34,13 +40,17 @@ impl RoleArgument {
     pub fn parse(role: Kind, text: &str) -> Result<Self, BadArgument> {
         let Parts {
             topic,
+            filters,
             fields,
             mut words,
         } = text.parse()?;
         words.check(vocabulary(role))?;
         if fields.is_empty() {
             return match words.0.into_iter().next() {
-                None => Ok(Self::Topic(topic)),
+                None => Ok(Self::Topic {
+                    topic,
+                    select: filters,
+                }),
                 Some(word) => Err(BadArgument::NoFields {
                     topic: topic.into(),
                     word: word.into(),
@@ -55,14 +65,17 @@ impl RoleArgument {
         };
         fields.check()?;
         words.finish()?;
-        let location = Location::on(topic);
+        let location = Location {
+            select: filters,
+            ..Location::on(topic)
+        };
         Ok(Self::Fields(Alternative { location, fields }.into()))
     }
 
     /// The topics as the log has them, whatever the namespace.
     pub fn topics(&self) -> &[String] {
         match self {
-            Self::Topic(topic) => std::slice::from_ref(topic),
+            Self::Topic { topic, .. } => std::slice::from_ref(topic),
             Self::Fields(alternative) => &alternative.location.topics,
         }
     }

@@ -23,6 +23,12 @@ pub enum BadArgument {
     SeveralTopics { topics: [Foreign; 2] },
 
     #[error(
+        "not all of the paths on {topic} have the same filter; what belongs to one sample must come in one message, so \
+         write the filter after the topic of every path"
+    )]
+    SeveralSelections { topic: Foreign },
+
+    #[error(
         "`{word}` has no meaning here; after a colon there can be {}",
         in_words(known)
     )]

@@ -6,14 +6,16 @@ use serde::de::{DeserializeOwned, IntoDeserializer, value::Error as NotOneOf};
 
 use super::BadArgument;
 use crate::{
-    decode::path::{FieldPath, MessagePath},
+    decode::path::{FieldPath, Filter, MessagePath, split},
     sample::Kind,
     source::profile::convention::{Axes, Convention, NotAConvention, WorldAxes},
 };
 
-/// The parts of an argument: the topic, its fields, and the words after the colons.
+/// The parts of an argument: the topic, which of its messages, their fields, and the words after the colons.
 pub struct Parts {
     pub topic: String,
+    /// What the messages must satisfy.
+    pub filters: Vec<Filter>,
     pub fields: Vec<FieldPath>,
     pub words: Words,
 }
@@ -139,36 +141,29 @@ impl FromStr for Parts {
     type Err = BadArgument;
 
     fn from_str(text: &str) -> Result<Self, BadArgument> {
-        let mut words = split_outside_quotes(text, ':').into_iter();
-        let paths = words.next().unwrap_or_default();
-        let mut topic: Option<String> = None;
-        let mut fields = Vec::new();
-        for path in split_outside_quotes(paths, ',') {
+        let mut words = split(text, ':').into_iter();
+        let mut paths = split(words.next().unwrap_or_default(), ',').into_iter();
+        let first: MessagePath = paths.next().unwrap_or_default().trim().parse()?;
+        let mut fields: Vec<FieldPath> = first.field.into_iter().collect();
+        for path in paths {
             let path: MessagePath = path.trim().parse()?;
-            match topic {
-                Some(first) if first != path.topic => {
-                    return Err(BadArgument::SeveralTopics {
-                        topics: [first.into(), path.topic.into()],
-                    });
-                }
-                _ => topic = Some(path.topic),
+            if path.topic != first.topic {
+                return Err(BadArgument::SeveralTopics {
+                    topics: [first.topic.into(), path.topic.into()],
+                });
+            }
+            if path.filters != first.filters {
+                return Err(BadArgument::SeveralSelections {
+                    topic: first.topic.into(),
+                });
             }
             fields.extend(path.field);
         }
         Ok(Self {
-            topic: topic.unwrap_or_default(),
+            topic: first.topic,
+            filters: first.filters,
             fields,
             words: Words(words.map(str::to_owned).collect()),
         })
     }
-}
-
-/// Splits at a separator, but not within double quotes: topics there may have characters that mean something elsewhere.
-fn split_outside_quotes(text: &str, separator: char) -> Vec<&str> {
-    let mut is_quoted = false;
-    text.split(|character| {
-        is_quoted ^= character == '"';
-        character == separator && !is_quoted
-    })
-    .collect()
 }

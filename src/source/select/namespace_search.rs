@@ -176,7 +176,7 @@ impl NamespaceSearch<'_> {
         topic: &str,
         alternatives: &[&Alternative],
     ) -> Result<Origin, BindError> {
-        let mut fields = Vec::new();
+        let (mut fields, mut select) = (Vec::new(), Vec::new());
         for channel in &self.log_search.topics[topic] {
             let alternatives = self.for_channel(channel, alternatives)?;
             let schema = self.log_search.schema(channel)?;
@@ -188,10 +188,11 @@ impl NamespaceSearch<'_> {
                 kind,
                 &alternatives,
             )?;
-            fields = role.fields;
+            (fields, select) = (role.fields, role.select);
         }
         Ok(Origin {
             topic: topic.into(),
+            select,
             fields,
         })
     }

@@ -163,7 +163,7 @@ fn the_fields_that_a_topic_has_are_shown_in_one_line() {
     let folder = Folder::with(LOG, log(&[topic("/state", [state])]));
     let shown = shows_name(&folder, &["inspect", LOG], 1);
     assert!(
-        shown.contains(&format!("has {PRINTED}, pitch, roll, vx, vy, yaw")),
+        shown.contains(&format!("has \"{PRINTED}\", pitch, roll, vx, vy, yaw")),
         "{shown}"
     );
 }

@@ -1,7 +1,7 @@
 //! Telemetry as given on the command line: what each form of an argument means, and how wrong ones are answered.
 
 use flightcam::{
-    decode::path::FieldPath,
+    decode::path::{FieldPath, Filter},
     sample::{GimbalReference, Kind},
     source::{
         profile::{
@@ -22,6 +22,10 @@ fn field(path: &str) -> FieldPath {
     path.parse().expect("a path")
 }
 
+fn filter(text: &str) -> Filter {
+    text.parse().expect("a filter")
+}
+
 fn each<const N: usize>(paths: [&str; N]) -> Components<N> {
     Components::Each(paths.map(field))
 }
@@ -36,7 +40,7 @@ fn on(topic: &str, fields: RoleFields) -> Alternative {
 fn parsed(role: Kind, argument: &str) -> Alternative {
     match RoleArgument::parse(role, argument) {
         Ok(RoleArgument::Fields(alternative)) => *alternative,
-        Ok(RoleArgument::Topic(topic)) => panic!("only a topic: {topic}"),
+        Ok(RoleArgument::Topic { topic, .. }) => panic!("only a topic: {topic}"),
         Err(problem) => panic!("{argument}: {problem}"),
     }
 }
@@ -142,10 +146,44 @@ mod attitude {
 
     #[test]
     fn an_attitude_may_be_a_topic_alone() {
-        for (argument, topic) in [("/odom", "/odom"), (r#""/a.b""#, "/a.b")] {
+        for (argument, topic, filters) in [
+            ("/odom", "/odom", &[][..]),
+            (r#""/a.b""#, "/a.b", &[]),
+            (
+                r#"/odom{id==1}{frame!="a:b,}"}"#,
+                "/odom",
+                &["id==1", r#"frame!="a:b,}""#],
+            ),
+        ] {
             let parsed = RoleArgument::parse(Kind::Attitude, argument);
-            assert_eq!(parsed, Ok(RoleArgument::Topic(topic.to_owned())));
+            let select = filters.iter().map(|text| filter(text)).collect();
+            let topic = topic.to_owned();
+            assert_eq!(parsed, Ok(RoleArgument::Topic { topic, select }));
         }
+    }
+
+    #[test]
+    fn which_messages_of_a_topic_are_meant_is_said_after_it() {
+        let of_list = |path: &str| {
+            let orientation = Orientation::Quaternion(Quaternion {
+                fields: Components::Together(field(path)),
+                order: QuaternionOrder::Xyzw,
+            });
+            source("/a", orientation, Some(Convention::FRD_NED))
+        };
+        let expected = Alternative {
+            location: Location {
+                select: vec![filter("id==1"), filter("frame == 'a'")],
+                ..Location::on("/a")
+            },
+            ..of_list("q")
+        };
+        let argument = r#"/a{id==1}{frame=="a"}.q:xyzw"#;
+        assert_eq!(parsed(Kind::Attitude, argument), expected);
+
+        let argument = r#"/a.list[:]{name=="x:y,z"}.q:xyzw"#;
+        let expected = of_list(r#"list[:]{name=="x:y,z"}.q"#);
+        assert_eq!(parsed(Kind::Attitude, argument), expected);
     }
 
     #[test]
@@ -162,6 +200,14 @@ mod attitude {
                 (
                     "/imu.r,/gps.p,/imu.y:degrees",
                     "/imu and /gps are different topics … one message",
+                ),
+                (
+                    "/imu{id==1}.r,/imu{id==2}.p,/imu{id==1}.y:degrees",
+                    "not all of the paths on /imu have the same filter",
+                ),
+                (
+                    "/imu{id==1}.r,/imu.p,/imu.y:degrees",
+                    "write the filter after the topic of every path",
                 ),
                 (
                     "/imu.r,pitch,yaw:degrees",
