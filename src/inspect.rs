@@ -344,14 +344,21 @@ impl Telemetry {
                     encoding: encoding.message_encoding(),
                     at_most,
                 }),
-                Err(reason) => (telemetry.would_not_write).push(MissingTopic { topic, reason }),
+                Err(reason) => (telemetry.would_not_write).push(MissingTopic {
+                    topic,
+                    reason: *reason,
+                }),
             }
         }
         Ok(telemetry)
     }
 
     /// How many messages of a quantity there can be, or why there can be none.
-    fn at_most(&self, quantity: Quantity, camera: Option<Camera>) -> Result<u64, MissingReason> {
+    fn at_most(
+        &self,
+        quantity: Quantity,
+        camera: Option<Camera>,
+    ) -> Result<u64, Box<MissingReason>> {
         if camera == Some(Camera::Gimbal) {
             self.usable(Kind::Gimbal, 1)?;
         }
@@ -363,12 +370,12 @@ impl Telemetry {
     }
 
     /// How many samples of a kind can be usable, if that is enough.
-    fn usable(&self, kind: Kind, needed: u64) -> Result<u64, MissingReason> {
+    fn usable(&self, kind: Kind, needed: u64) -> Result<u64, Box<MissingReason>> {
         match &self.roles[&kind] {
             RoleReport::Found(found) if found.usable_at_most() >= needed => {
                 Ok(found.usable_at_most())
             }
-            RoleReport::Found(found) => Err(MissingReason::TooFewUsable {
+            RoleReport::Found(found) => Err(Box::new(MissingReason::TooFewUsable {
                 sample: kind,
                 needed,
                 topic: found.topic.clone(),
@@ -376,11 +383,11 @@ impl Telemetry {
                 refused_frames: found.refused_frames.clone(),
                 first_undecodable: found.first_undecodable.clone().map(Box::new),
                 unmet_filters: found.unmet_filters.clone(),
-            }),
-            RoleReport::Missing { missing } => Err(MissingReason::NoSamples {
+            })),
+            RoleReport::Missing { missing } => Err(Box::new(MissingReason::NoSamples {
                 sample: kind,
                 misfit: missing.clone(),
-            }),
+            })),
         }
     }
 

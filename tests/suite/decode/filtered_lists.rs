@@ -53,26 +53,28 @@ fn types() -> Types {
 
 fn log_of(form: Form, messages: &[Value]) -> Logbook {
     let mut log = Logbook::new();
-    let types = types();
-    let write: Box<dyn Fn(&Value) -> Vec<u8>>;
-    let channel = match form {
-        Form::Json => {
-            write = Box::new(|message| message.to_string().into_bytes());
-            log.json("/t")
-        }
+    let each = |write: &dyn Fn(&Value) -> Vec<u8>| messages.iter().map(write).collect();
+    let (channel, payloads): (u16, Vec<Vec<u8>>) = match form {
+        Form::Json => (
+            log.json("/t"),
+            each(&|message| message.to_string().into_bytes()),
+        ),
         Form::Protobuf => {
             let (channel, descriptor) = log.protobuf("/t", PROTOBUF);
-            write = Box::new(move |message| protobuf_message(&descriptor, &message.to_string()));
-            channel
+            let write = |message: &Value| protobuf_message(&descriptor, &message.to_string());
+            (channel, each(&write))
         }
         Form::Ros(wire) => {
+            let types = types();
             let channel = log.ros(wire, "/t", "t/T", &types.text("t/T"));
-            write = Box::new(move |message| types.serialize(wire, "t/T", message));
-            channel
+            (
+                channel,
+                each(&|message| types.serialize(wire, "t/T", message)),
+            )
         }
     };
-    for (message, time) in messages.iter().zip(0..) {
-        log.put(channel, time, &write(message));
+    for (payload, time) in payloads.iter().zip(0..) {
+        log.put(channel, time, payload);
     }
     log
 }
@@ -197,6 +199,7 @@ fn two_roles_may_read_different_elements_of_one_list() {
         [attitude]
         topics = ["/t"]
         orientation.quaternion = ['bodies[:]{id==1}.v.x', 'bodies[:]{id==1}.v.y', 'still', 'bodies[:]{id==1}.v.z']
+        convention = "frd-ned"
         [gimbal]
         topics = ["/t"]
         orientation.pitch = { field = 'bodies[:]{header.frame=="gimbal"}.v.x', unit = "radians" }

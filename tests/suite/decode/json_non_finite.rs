@@ -13,6 +13,7 @@ const PROFILE: &str = r#"
     topics = ["/t"]
     when = { field = "mode", says = "NaN-free" }
     orientation.quaternion = "q"
+    convention = "frd-ned"
     [velocity]
     topics = ["/t"]
     vector = ["x", "y", "z"]
@@ -89,6 +90,7 @@ fn a_list_may_have_numbers_that_are_not_finite() {
         [attitude]
         topics = ["/t"]
         orientation.quaternion = { fields = ["q[0]", "q[1]", "q[2]", "q[3]"], order = "wxyz" }
+        convention = "frd-ned"
         [velocity]
         topics = ["/t"]
         vector = "v"

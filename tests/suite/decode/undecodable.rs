@@ -204,6 +204,7 @@ const OF_Q: &str = r#"
     topics = ["/t"]
     when = { field = "mode", says = "auto" }
     orientation.quaternion = "q"
+    convention = "frd-ned"
 "#;
 
 #[test]

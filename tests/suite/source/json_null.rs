@@ -16,6 +16,7 @@ use crate::support::{
 const NESTED: &str = r#"
     name = "nested"
     attitude.orientation.quaternion = "pose.q"
+    attitude.convention = "frd-ned"
     velocity = { vector = "pose.v", frame = "ned" }
 "#;
 
@@ -79,6 +80,7 @@ fn a_list_may_be_empty_at_first() {
         r#"
         name = "elements"
         attitude.orientation.quaternion = "bodies[1].q"
+        attitude.convention = "frd-ned"
     "#,
     );
     let later = json!({ "bodies": [{}, { "q": quaternion() }] });

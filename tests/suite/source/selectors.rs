@@ -273,7 +273,7 @@ fn the_values_that_an_error_lists_are_escaped() {
     }
     let (_folder, path) = book.finish();
     let folder = Folder::with(LOG, std::fs::read(path).expect("the log"));
-    let arguments = format!("{ATTITUDE} /state{{id==\"a\"}}.q");
+    let arguments = format!("{ATTITUDE} /state{{id==\"a\"}}.q:frd-ned");
     folder.refuses(&arguments, 1, "`id` is \"\\u{1b}[31m\\n\", never \"a\"");
 }
 
