@@ -39,6 +39,12 @@ Telemetry that no profile knows:
       the camera's full orientation in any of the forms of an attitude, and
       what it is measured from: earth (north and the horizon), heading (the
       drone's nose and the horizon) or airframe (joint angles)
+  --gimbal '/gimbal{device_id==1}.q:earth'
+      the same, of several sources on the topic the one whose messages say so
+  --attitude '/tf.transforms[:]{child_frame_id==\"base_link\"}.transform.rotation:flu-enu'
+      the first element of a list that satisfies the filter
+  --attitude '\"/fc.state\".q:frd-ned'
+      a topic, or a name, with a dot in it
   --position /gps.lat,/gps.lon,/gps.alt:degE7:mm
       latitude, longitude, altitude, or x, y, z with :ned or :enu
 
@@ -46,7 +52,8 @@ Telemetry that no profile knows:
   from front, left, up to east, north, up (flu-enu, as in ROS). A quaternion
   needs that, unless the type of its messages tells; angles are frd-ned.
   A topic alone, as in --attitude /odom, leaves the fields to the profile.
-  Quote paths with brackets, or the shell will take them for a pattern.";
+  Brackets and double quotes in paths mean something to the shell: put single
+  quotes around them.";
 
 /// Where the telemetry is
 #[derive(Debug, Args)]

@@ -24,12 +24,12 @@ fn every_example_in_the_help_is_understood() {
         let words: Vec<&str> = help.split_whitespace().collect();
         let examples = words
             .windows(2)
-            .filter(|pair| pair[1].starts_with('/') && pair[0].starts_with("--"));
+            .filter(|pair| pair[1].starts_with(['/', '\'']) && pair[0].starts_with("--"));
         let examples: Vec<(&str, &str)> = examples.map(|pair| (pair[0], pair[1])).collect();
         assert!(examples.len() >= 10, "{examples:?}");
         for (option, value) in examples {
-            // One is in a sentence.
-            let value = value.trim_end_matches(',');
+            // One is in a sentence, and some are quoted for the shell.
+            let value = value.trim_end_matches(',').trim_matches('\'');
             let role = Kind::ALL
                 .into_iter()
                 .find(|kind| option[2..] == *kind.name());
