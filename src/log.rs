@@ -15,6 +15,7 @@ pub mod stream;
 pub(crate) mod summary;
 
 mod error;
+mod foreign;
 mod indexed_chunk;
 mod message_times;
 mod partial_chunk;
@@ -35,7 +36,8 @@ use scan::{Bodies, Collector, Frame, Next, Walker};
 use summary::{DATA_END_LENGTH, Ending, Rest};
 
 pub use crate::fs::Access;
-pub use error::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind};
+pub use error::{ChunkFault, Damage, ReadError, RecordKind};
+pub use foreign::ForeignFormat;
 pub use segment::SegmentReader;
 
 /// [`Log::first_payloads`] leaves out payloads that are longer than this.
@@ -350,7 +352,11 @@ struct Close {
 /// Checks the magic bytes and reads the header.
 fn read_header(file: &LogFile) -> Result<Header, ReadError> {
     let magic_length = mcap::MAGIC.len() as u64;
-    check_magic(file.path(), &file.read(0, file.length().min(magic_length))?)?;
+    let start = file.read(0, file.length().min(magic_length))?;
+    if start != mcap::MAGIC {
+        let start = file.read(0, file.length().min(ForeignFormat::EXAMINED))?;
+        return Err(not_mcap(file.path(), &start));
+    }
     let mut walker = Walker::new(file, magic_length, file.length());
     if let Next::Record(frame) = walker.step()?
         && frame.opcode == op::HEADER
@@ -361,15 +367,14 @@ fn read_header(file: &LogFile) -> Result<Header, ReadError> {
     Err(file.damaged(magic_length, Damage::NoHeader))
 }
 
-/// Checks the first bytes of a log: as many as there are magic bytes, or all if there are fewer.
-fn check_magic(path: &Path, start: &[u8]) -> Result<(), ReadError> {
+/// Why a file that starts with these bytes is not a log.
+fn not_mcap(path: &Path, start: &[u8]) -> ReadError {
     let path = path.to_owned();
     match start {
-        [] => Err(ReadError::Empty { path }),
-        start if start == mcap::MAGIC => Ok(()),
-        start => Err(ReadError::NotMcap {
+        [] => ReadError::Empty { path },
+        start => ReadError::NotMcap {
             path,
             format: ForeignFormat::of(start),
-        }),
+        },
     }
 }

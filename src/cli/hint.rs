@@ -1,13 +1,15 @@
 //! Hints: what to do about an error, in terms of the command line.
 
+mod foreign;
 mod telemetry;
 
 use flightcam::{
     Error,
     camera::CameraError,
     error::{JournalError, JournalFault, SpecialFile},
-    log::{ForeignFormat, ReadError},
+    log::ReadError,
     run::RunError,
+    text::is_escaped,
     writer::WriteError,
 };
 
@@ -26,6 +28,9 @@ const AGAIN: &str = "try again when nothing writes to the log any more";
 /// What the user can do about an error, if that does not follow from the error itself.
 pub fn hint(error: &Error) -> Option<String> {
     let hint = match error {
+        Error::Read(ReadError::NotMcap { path, format }) => {
+            return Some(foreign::hint(path, *format));
+        }
         Error::Read(error) => of_reading(error)?,
         Error::Camera(error) => of_the_camera(*error)?,
         Error::Write(error) => of_writing(error)?,
@@ -42,19 +47,6 @@ fn of_reading(error: &ReadError) -> Option<&'static str> {
     Some(match error {
         ReadError::NotAFile { .. } => "flightcam reads MCAP files",
         ReadError::Empty { .. } => "was the recording or the download interrupted?",
-        ReadError::NotMcap { format, .. } => match format {
-            Some(ForeignFormat::Ulog) => {
-                "convert it first, for instance by opening it in Foxglove and exporting MCAP"
-            }
-            Some(ForeignFormat::Ros1Bag) => {
-                "convert it first with `mcap convert INPUT OUTPUT.mcap` (https://mcap.dev)"
-            }
-            Some(ForeignFormat::Sqlite) => {
-                "if it is a ROS 2 bag, convert it first with `ros2 bag convert`"
-            }
-            Some(ForeignFormat::DataFlash) => "convert it to MCAP first",
-            _ => "check that it is the log you meant",
-        },
         ReadError::Damaged { .. } => {
             "`mcap recover` (https://mcap.dev) saves what can still be read into a new file"
         }
@@ -143,6 +135,18 @@ fn of_the_run(error: &RunError) -> Option<&'static str> {
         }
         RunError::InterleavedStream => "leave out --layout interleaved, or give the log as a file",
         _ => return None,
+    })
+}
+
+/// An argument as a shell reads it; `None` for one that cannot be seen in full, or looks like an option.
+fn in_shell(argument: &str) -> Option<String> {
+    let is_plain = |c: char| c.is_alphanumeric() || "/_-.,:".contains(c);
+    if argument.contains(is_escaped) || argument.starts_with('-') {
+        return None;
+    }
+    Some(match argument.chars().all(is_plain) {
+        true => argument.to_owned(),
+        false => format!("'{}'", argument.replace('\'', r"'\''")),
     })
 }
 

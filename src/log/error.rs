@@ -7,7 +7,7 @@ use std::{
 
 use mcap::records::op;
 
-use super::record::MAX_RECORD;
+use super::{foreign::ForeignFormat, record::MAX_RECORD};
 use crate::text::{self, Foreign};
 
 /// Why a log cannot be read.
@@ -202,35 +202,6 @@ pub enum ChunkFault {
     Impossible { size: u64, compressed: usize },
     #[error("the {size} bytes that it is said to hold do not fit in memory")]
     OutOfMemory { size: u64 },
-}
-
-/// A format whose files are easily mistaken for MCAP.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-#[allow(missing_docs)]
-pub enum ForeignFormat {
-    #[error("a PX4 ULog")]
-    Ulog,
-    #[error("a ROS 1 bag")]
-    Ros1Bag,
-    #[error("an SQLite database, perhaps a ROS 2 bag")]
-    Sqlite,
-    #[error("an ArduPilot DataFlash log")]
-    DataFlash,
-}
-
-impl ForeignFormat {
-    /// The format of a file that starts with these bytes.
-    pub(super) fn of(start: &[u8]) -> Option<Self> {
-        let formats: [(&[u8], Self); 4] = [
-            (b"ULog", Self::Ulog),
-            (b"#ROSBAG", Self::Ros1Bag),
-            (b"SQLite ", Self::Sqlite),
-            (&[0xa3, 0x95], Self::DataFlash),
-        ];
-        let known = formats.iter().find(|(magic, _)| start.starts_with(magic));
-        known.map(|(_, format)| *format)
-    }
 }
 
 fn describe(format: Option<ForeignFormat>) -> String {

@@ -26,6 +26,8 @@ mod cli {
     mod enrich;
     // What strangers name things reaches no terminal.
     mod escapes;
+    // Files that are not MCAP.
+    mod foreign_files;
     mod help;
     mod inspect;
     mod profiles;

@@ -1,12 +1,12 @@
 //! Hints for a log whose telemetry is not found or is ambiguous.
 
+use super::in_shell;
 use flightcam::{
     sample::Kind,
     source::{
         error::{Misfit, TelemetryError},
         request::{self, RoleArgument},
     },
-    text::is_escaped,
 };
 
 /// What the user can do about an error.
@@ -80,18 +80,6 @@ fn namespace_argument(namespace: &str) -> Option<String> {
     let typed = if namespace.is_empty() { "/" } else { namespace };
     let is_namespace = request::namespace(typed).as_deref() == Ok(namespace);
     in_shell(typed).filter(|_| is_namespace)
-}
-
-/// An argument as a shell reads it; `None` for one that cannot be seen in full, or looks like an option.
-fn in_shell(argument: &str) -> Option<String> {
-    let is_plain = |c: char| c.is_alphanumeric() || "/_-.,:".contains(c);
-    if argument.contains(is_escaped) || argument.starts_with('-') {
-        return None;
-    }
-    Some(match argument.chars().all(is_plain) {
-        true => argument.to_owned(),
-        false => format!("'{}'", argument.replace('\'', r"'\''")),
-    })
 }
 
 fn give_fields(misfit: &Misfit) -> Option<String> {

@@ -9,9 +9,10 @@ use mcap::records::{Header, op};
 
 use super::{Named, spool::Spool};
 use crate::log::{
-    check_magic,
     error::{Damage, ReadError},
     file::LogFile,
+    foreign::ForeignFormat,
+    not_mcap,
     record::{FRAME_LENGTH, MAX_RECORD, parse, split_frame},
     scan::{Bodies, Frame},
 };
@@ -61,7 +62,10 @@ impl<'a, R: Read, W: Write> Pipe<'a, R, W> {
     pub fn pass_on_header(&mut self) -> Result<Header, ReadError> {
         let magic_length = mcap::MAGIC.len() as u64;
         self.read(magic_length)?;
-        check_magic(self.input.name, &self.record)?;
+        if self.record != mcap::MAGIC {
+            self.read(ForeignFormat::EXAMINED - magic_length)?;
+            return Err(not_mcap(self.input.name, &self.record));
+        }
         self.position = magic_length;
 
         let no_header = || ReadError::damaged(self.input.name, magic_length, Damage::NoHeader);

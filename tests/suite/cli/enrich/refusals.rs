@@ -5,12 +5,8 @@ use super::*;
 #[test]
 fn a_file_that_is_not_a_log_is_refused_with_advice() {
     let garbage = [mcap::MAGIC, &[0xc5; 300]].concat();
-    let cases: [(&[u8], &str); 8] = [
-        (b"roll,pitch,yaw\n", "magic bytes … the log you meant"),
-        (b"ULog\x01\x12\x35\x01", "PX4 ULog … convert it … Foxglove"),
-        (b"#ROSBAG V2.0\n", "ROS 1 bag … mcap convert"),
-        (b"SQLite format 3\0", "SQLite … ros2 bag convert"),
-        (b"\xa3\x95\x80\x80", "DataFlash … convert it"),
+    let cases: [(&[u8], &str); 4] = [
+        (b"a log, they said", "magic bytes … the log you meant"),
         (b"", "empty … interrupted"),
         (mcap::MAGIC, "byte 8 … header … mcap recover"),
         (&garbage, "byte 8 … header … mcap recover"),
