@@ -59,8 +59,9 @@ pub struct Report {
     pub layout: Layout,
     /// Bytes of the log that are in the result unchanged.
     pub bytes_kept: u64,
-    /// All other bytes of the result.
-    pub bytes_added: u64,
+    /// How many bytes longer the result is than the input; less than 0 if the input had a longer result of an earlier
+    /// run.
+    pub bytes_added: i64,
     /// Whether everything in the input could be read.
     pub complete: bool,
     /// Other things the user should know.

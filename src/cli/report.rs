@@ -29,14 +29,7 @@ pub fn describe(report: &Report) -> Page {
     for topic in &report.not_written {
         page.line("Not written", format!("{}: {}", topic.topic, topic.reason));
     }
-    page.line(
-        "Bytes",
-        format!(
-            "{} unchanged, {} added",
-            HumanCount(report.bytes_kept),
-            HumanCount(report.bytes_added)
-        ),
-    );
+    page.line("Bytes", describe_bytes(report));
     for note in &report.notes {
         page.line("Note", words::note(note));
     }
@@ -49,6 +42,17 @@ pub fn describe(report: &Report) -> Page {
         to_plot.join(" and ")
     ));
     page
+}
+
+fn describe_bytes(report: &Report) -> String {
+    let kept = HumanCount(report.bytes_kept);
+    let grown_by = HumanCount(report.bytes_added.unsigned_abs());
+    match report.bytes_added {
+        ..0 => format!(
+            "{kept} unchanged, and {grown_by} less than the log had with its earlier result"
+        ),
+        0.. => format!("{kept} unchanged, {grown_by} added"),
+    }
 }
 
 fn describe_breaks(page: &mut Page, breaks: Breaks, max_gap_s: f64) {

@@ -281,6 +281,11 @@ impl LogFile {
         last.map_or(self.own_length, |tail| tail.start + tail.length)
     }
 
+    /// The number of bytes of the file itself when it was opened, whatever replaces its end.
+    pub fn own_length(&self) -> u64 {
+        self.own_length
+    }
+
     /// Whether an interrupted change of the file was undone when it was opened.
     pub fn was_recovered(&self) -> bool {
         self.recovered

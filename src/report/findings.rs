@@ -123,7 +123,7 @@ impl<'a> Findings<'a> {
             max_gap_s: self.options.max_gap.seconds(),
             layout: self.options.layout,
             bytes_kept: written.kept,
-            bytes_added: written.length - written.kept,
+            bytes_added: written.length.cast_signed() - log.file.own_length().cast_signed(),
             complete: log.is_readable_to_its_end() && self.undecodable() == 0 && grown_by == 0,
             encoding: self.encoding,
             samples: self.samples,

@@ -19,20 +19,21 @@ fn the_result_is_next_to_the_log_and_the_report_says_how_it_was_made() {
     );
     let bytes = report.lines().find(|line| line.contains("added"));
     let words = bytes.unwrap().split(' ').map(|word| word.replace(',', ""));
-    let bytes: usize = words.filter_map(|word| word.parse::<usize>().ok()).sum();
-    assert_eq!(bytes, folder.read(result).len());
+    let numbers: Vec<usize> = words.filter_map(|word| word.parse().ok()).collect();
+    let [log, result] = ["logs/flight.mcap", result].map(|name| folder.read(name).len());
+    assert_eq!(numbers[1], result - log, "the file grew by that");
 }
 
 #[test]
 fn the_json_report_has_every_number() {
     let folder = Folder::with_flight();
     let mut report = folder.reports(&enrich(""), 0);
-    let [copied, appended] = ["bytes_kept", "bytes_added"].map(|name| {
+    let [copied, added] = ["bytes_kept", "bytes_added"].map(|name| {
         let bytes = report[name].take().as_u64().unwrap();
         usize::try_from(bytes).unwrap()
     });
     let result = folder.read(RESULT);
-    assert_eq!(copied + appended, result.len());
+    assert_eq!(added, result.len() - folder.read(LOG).len());
     assert!(copied > 200_000 && folder.read(LOG).starts_with(&result[..copied]));
 
     let samples = |read_as: Value| json!({ "topic": "/drone/state", "used": 3310, "dropped": {}, "read_as": [read_as] });
@@ -81,6 +82,24 @@ fn the_json_report_has_every_number() {
         "notes": [],
     });
     assert_eq!(report, expected);
+}
+
+#[test]
+fn a_shorter_result_in_place_of_an_earlier_one_is_said_to_be_shorter() {
+    let folder = Folder::with_flight();
+    folder.run(&enrich("--in-place --encoding json"), 0);
+    let earlier = folder.read(LOG).len();
+    let report = folder.writes(LOG, &enrich("--in-place"), 0);
+    let less = earlier - folder.read(LOG).len();
+    assert!(less > 1000, "{less}");
+    let less = indicatif::HumanCount(less as u64);
+    let words =
+        format!("Bytes … unchanged, and {less} less than the log had with its earlier result");
+    assert_reads(&report, &words);
+    // The same result again.
+    let json = folder.writes(LOG, &enrich("--in-place --json"), 0);
+    let report: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(report["bytes_added"], 0);
 }
 
 #[test]
