@@ -9,7 +9,7 @@ pub use crate::{
     log::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind},
     run::{Left, RunError},
     source::{
-        error::{LogTopic, LogTopics, Misfit, TelemetryError, TopicMisfit},
+        error::{Candidate, Instead, LogTopic, Misfit, PathReading, TelemetryError, TopicMisfit},
         profile::{BadRole, NotAProfile, ProfileError, WrongCount},
     },
     writer::{

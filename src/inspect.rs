@@ -5,6 +5,7 @@
 //! only a part of a long log.
 
 mod first_sample;
+mod topics;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -34,6 +35,7 @@ use crate::{
     writer::original::Original,
 };
 pub use first_sample::FirstSample;
+pub use topics::{ListedTopic, TopicList, topics};
 
 /// The most bytes, approximately, that are read to learn what share of the telemetry is usable.
 const MOST_READ: u64 = 64 * 1024 * 1024;

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive()`] gives the values
-//! without writing them. [`inspect`] says what a log file contains, and [`restore`] undoes what `enrich` did to one.
+//! without writing them. [`inspect`] says what a log file contains, [`topics`] lists its topics, and [`restore`] undoes what `enrich` did to one.
 //! [`Options`] say how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its
 //! telemetry.
 //!
@@ -35,6 +35,7 @@
 //! | module | subject | knows |
 //! | --- | --- | --- |
 //! | `text` | text that flightcam did not write, as people get to read it | nothing |
+//! | `similar` | names that were likely meant, where one is not there | nothing |
 //! | `geometry` | frames and rotations: pure functions | nothing |
 //! | `sample` | what flows from reader to transform | nothing |
 //! | `derived` | what flows from transform to writer | geometry, sample |
@@ -42,8 +43,8 @@
 //! | `transform` | samples → derived values, a state machine without I/O | the four above |
 //! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nothing |
 //! | `log` | the MCAP container: what a log contains and where, its messages | fs, text |
-//! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log |
-//! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry |
+//! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log, similar |
+//! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry, similar |
 //! | `reader` | log + source → samples in time order | log, source, sample |
 //! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | derived |
 //! | `writer` | derived values → channels added to a log; the journal of a change in place; the original that an enriched log carries | fs, log, derived, messages |
@@ -67,6 +68,7 @@ pub mod error;
 pub mod geometry;
 
 mod fs;
+mod similar;
 
 #[doc(hidden)]
 pub mod camera;
@@ -110,7 +112,7 @@ pub mod profile {
     pub use crate::source::profile::{
         Alternative, AttitudeFields, Components, Condition, Coordinates, Euler, GimbalFields,
         Location, OptionalField, Orientation, Pitch, Profile, Quaternion, RoleFields, SampleTime,
-        Test, TimeField, VelocityFields,
+        Test, TimeField, VelocityFields, Written,
         convention::{
             AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit, NotAConvention, NotAxes,
             PositiveDirection, QuaternionOrder, SpeedUnit, TimeUnit, WorldAxes,
@@ -133,8 +135,8 @@ pub use error::Error;
 pub use fs::ReadAt;
 pub use geometry::{DepressionAngle, DepressionOutOfRange};
 pub use inspect::{
-    FirstSample, FoundRole, Inspection, Planned, Problem, RoleReport, Telemetry, TopicGroup,
-    inspect,
+    FirstSample, FoundRole, Inspection, ListedTopic, Planned, Problem, RoleReport, Telemetry,
+    TopicGroup, TopicList, inspect, topics,
 };
 pub use messages::{Encoding, EncodingChoice};
 pub use options::Options;

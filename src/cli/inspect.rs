@@ -4,8 +4,11 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
 use flightcam::{
-    Error, Foreign, Note, Options,
-    inspect::{FoundRole, Inspection, Planned, RoleReport, Telemetry, TopicGroup, inspect},
+    Error, Foreign, Note, Options, Watch,
+    inspect::{
+        FoundRole, Inspection, ListedTopic, Planned, RoleReport, Telemetry, TopicGroup, TopicList,
+        inspect, topics,
+    },
     sample::Kind,
     source::RunnerUp,
     text,
@@ -35,6 +38,10 @@ pub struct Arguments {
     /// The flight log, an MCAP file
     input: PathBuf,
 
+    /// List all topics instead: their messages' encoding and type, how many there are, and how many per second
+    #[arg(long)]
+    topics: bool,
+
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
@@ -48,6 +55,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    if arguments.topics {
+        let watch = Watch::default().on_recovery(announce);
+        let list = topics(input(&arguments.input)?, &watch)?;
+        match arguments.json {
+            true => print_result(&to_json(&list)),
+            false => print_result(&list_topics(&list)),
+        }
+        return Ok(Exit::Done);
+    }
     let options = Options::new()
         .depression(arguments.camera.depression)
         .mount(arguments.camera.mount)
@@ -199,8 +215,7 @@ fn table(telemetry: &Telemetry) -> String {
             rows.push(row(&words::label(kind), found, start));
         }
     }
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
-    let widths: Vec<usize> = (0..header.len()).filter_map(width).collect();
+    let widths = widths(&rows);
     let mut text = String::new();
     for [label, numbers @ ..] in &rows {
         let _ = write!(text, "{label:<8}");
@@ -215,6 +230,42 @@ fn table(telemetry: &Telemetry) -> String {
         "Times count from the first of these messages, at {seconds:.3} s in log time."
     );
     text
+}
+
+/// How many characters the longest text in each column has.
+fn widths<const N: usize>(rows: &[[String; N]]) -> [usize; N] {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
+    std::array::from_fn(|column| width(column).unwrap_or(0))
+}
+
+/// Makes a table with one row per topic.
+fn list_topics(list: &TopicList) -> String {
+    let header = ["messages", "rate", "topic", "type"].map(str::to_owned);
+    let topics = list.topics.iter().map(|listed| {
+        let ListedTopic {
+            topic,
+            encoding,
+            schema,
+            messages,
+            rate_hz,
+            ..
+        } = listed;
+        [
+            HumanCount(*messages).to_string(),
+            rate_hz.map_or_else(|| "–".to_owned(), |rate| format!("{rate:.1} Hz")),
+            topic.to_string(),
+            match schema.is_empty() {
+                true => encoding.to_string(),
+                false => format!("{schema}, {encoding}"),
+            },
+        ]
+    });
+    let rows: Vec<[String; 4]> = [header].into_iter().chain(topics).collect();
+    let [count, hertz, name, _] = widths(&rows);
+    let lines = rows.iter().map(|[messages, rate, topic, kind]| {
+        format!("{messages:>count$}  {rate:>hertz$}  {topic:<name$}  {kind}")
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 fn row(label: &str, found: &FoundRole, start: u64) -> [String; 7] {

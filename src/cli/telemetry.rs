@@ -52,8 +52,8 @@ Telemetry that no profile knows:
   from front, left, up to east, north, up (flu-enu, as in ROS). A quaternion
   needs that, unless the type of its messages tells; angles are frd-ned.
   A topic alone, as in --attitude /odom, leaves the fields to the profile.
-  Brackets and double quotes in paths mean something to the shell: put single
-  quotes around them.";
+  A topic or a name with a dot needs double quotes: '\"/fc.state\".roll'. Brackets
+  and double quotes mean something to the shell: put single quotes around them.";
 
 /// Where the telemetry is
 #[derive(Debug, Args)]

@@ -5,11 +5,12 @@ use std::fmt;
 use super::{
     fault::Fault,
     field::{FieldKind, Shape},
-    path::{FieldPath, written},
+    path::{FieldPath, PathStep, written},
     schema::SUPPORTED,
 };
 use crate::{
     log::ReadError,
+    similar,
     text::{self, Foreign, escaped},
 };
 
@@ -41,7 +42,12 @@ pub enum SchemaError {
     NotJson(Fault),
     #[error("its ROS message definition cannot be used: {0}")]
     RosDefinition(#[from] RosDefinitionError),
-    #[error("it has no field {}; {place} has {}", quote(missing), list(available))]
+    #[error(
+        "it has no field {}; {}{place} has {}",
+        quote(missing),
+        meant(missing, available),
+        list(available)
+    )]
     NoSuchField {
         missing: Vec<FieldPath>,
         /// The place where the first of them was looked for.
@@ -196,6 +202,35 @@ impl SchemaError {
 pub fn quote(fields: &[FieldPath]) -> String {
     let names: Vec<String> = fields.iter().map(|field| format!("`{field}`")).collect();
     names.join(", ")
+}
+
+/// Asks whether other fields were meant, if there are some with a name like that of a missing one.
+fn meant(missing: &[FieldPath], available: &[Foreign]) -> String {
+    let available = || available.iter().map(Foreign::as_str);
+    let instead = |path: &FieldPath| -> Option<FieldPath> {
+        let steps = path.steps();
+        if let [PathStep::Name(name)] = steps {
+            let name = *similar::names(name, available()).first()?;
+            return Some(path.first(0).child(name));
+        }
+        // The fields are those of the message where the path ends, wherever that is.
+        steps
+            .iter()
+            .enumerate()
+            .find_map(|(depth, step)| match step {
+                PathStep::Name(name) if !available().any(|available| available == name) => {
+                    let name = similar::misspelt(name, available())?;
+                    Some(path.first(depth).child(name))
+                }
+                _ => None,
+            })
+    };
+    let mut meant: Vec<FieldPath> = missing.iter().filter_map(instead).collect();
+    meant.dedup();
+    match meant.is_empty() {
+        true => String::new(),
+        false => format!("did you mean {}? ", quote(&meant)),
+    }
 }
 
 fn list(names: &[Foreign]) -> String {

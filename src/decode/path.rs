@@ -48,6 +48,8 @@ pub struct MessagePath {
     pub filters: Vec<Filter>,
     /// The field; `None` for the whole message.
     pub field: Option<FieldPath>,
+    /// Whether the topic was in quotes or followed by filters. If not, more of the path may be the topic, if that has dots.
+    pub quoted: bool,
 }
 
 /// A text that is not a path.
@@ -79,6 +81,19 @@ impl FieldPath {
     pub(crate) fn first(&self, count: usize) -> Self {
         Self {
             steps: self.steps[..count].to_vec(),
+        }
+    }
+
+    /// The name of the outermost field, and the path from there on, if it goes on with a name; `None` if it goes on with
+    /// the place in a list.
+    pub(crate) fn split_first(&self) -> Option<(&str, Option<Self>)> {
+        match &self.steps[..] {
+            [PathStep::Name(first)] => Some((first, None)),
+            [PathStep::Name(first), rest @ ..] if matches!(rest[0], PathStep::Name(_)) => {
+                let steps = rest.to_vec();
+                Some((first, Some(Self { steps })))
+            }
+            _ => None,
         }
     }
 
@@ -170,7 +185,7 @@ pub(crate) fn written(name: &str) -> String {
 }
 
 /// A text in double quotes.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let escaped = text.replace('\\', r"\\").replace('"', r#"\""#);
     format!("\"{escaped}\"")
 }

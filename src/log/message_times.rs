@@ -15,13 +15,41 @@ impl Log {
         channel_ids: &BTreeSet<u16>,
     ) -> Result<BTreeMap<u16, Vec<u64>>, ReadError> {
         let mut times: BTreeMap<u16, Vec<u64>> = BTreeMap::new();
+        self.for_each_message_time(channel_ids, |id, time| {
+            times.entry(id).or_default().push(time);
+        })?;
+        times.values_mut().for_each(|times| times.sort_unstable());
+        Ok(times)
+    }
+
+    /// The log times of the earliest and the latest message of some channels, by channel id.
+    ///
+    /// # Errors
+    /// Those of [`message_times`](Self::message_times).
+    pub fn message_time_ends(
+        &self,
+        channel_ids: &BTreeSet<u16>,
+    ) -> Result<BTreeMap<u16, [u64; 2]>, ReadError> {
+        let mut ends: BTreeMap<u16, [u64; 2]> = BTreeMap::new();
+        self.for_each_message_time(channel_ids, |id, time| {
+            let [start, end] = ends.entry(id).or_insert([time; 2]);
+            (*start, *end) = (time.min(*start), time.max(*end));
+        })?;
+        Ok(ends)
+    }
+
+    /// Calls `visit` with the channel id and the log time of each message of some channels.
+    fn for_each_message_time(
+        &self,
+        channel_ids: &BTreeSet<u16>,
+        mut visit: impl FnMut(u16, u64),
+    ) -> Result<(), ReadError> {
         let mut segments = SegmentReader::new(self);
         for segment in &self.contents.segments {
             let mut unindexed = segment.channels_among(channel_ids);
             for id in unindexed.clone() {
                 if let Some(index) = message_index(&self.file, segment, id)? {
-                    let logged = index.iter().map(|entry| entry.log_time);
-                    times.entry(id).or_default().extend(logged);
+                    index.iter().for_each(|entry| visit(id, entry.log_time));
                     unindexed.remove(&id);
                 }
             }
@@ -30,11 +58,9 @@ impl Log {
             }
             for message in segments.read(segment, &unindexed)? {
                 let message = message?;
-                let of_channel = times.entry(message.channel_id).or_default();
-                of_channel.push(message.log_time);
+                visit(message.channel_id, message.log_time);
             }
         }
-        times.values_mut().for_each(|times| times.sort_unstable());
-        Ok(times)
+        Ok(())
     }
 }

@@ -1,16 +1,19 @@
 //! Why a log's telemetry is not found or is ambiguous.
 
-use std::{collections::BTreeSet, fmt, path::PathBuf, sync::Arc};
+mod instead;
+
+use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
 
 use serde::{Serialize, Serializer};
 
 use super::{Id, bind::BindError};
 use crate::{
     decode::{error::quote, path::FieldPath},
-    log::{Log, ReadError},
+    log::ReadError,
     sample::Kind,
     text::{self, Foreign},
 };
+pub use instead::{Candidate, Instead, LogTopic, PathReading};
 
 /// Why a log's telemetry is not found or is ambiguous.
 #[derive(Debug, thiserror::Error)]
@@ -19,14 +22,14 @@ use crate::{
 #[allow(missing_docs)]
 pub enum TelemetryError {
     #[error(
-        "{}: no usable telemetry\nlooked for:{}\n{topics}", text::path(path),
+        "{}: no usable telemetry\nlooked for:{}\n{instead}", text::path(path),
         tried.iter().map(|(profile, misfit)| format!("\n  {profile}: {misfit}")).collect::<String>()
     )]
     NotFound {
         path: PathBuf,
         /// Each profile and why it does not fit.
         tried: Vec<(Foreign, Misfit)>,
-        topics: LogTopics,
+        instead: Box<Instead>,
     },
 
     #[error(
@@ -58,34 +61,45 @@ pub enum TelemetryError {
     },
 
     #[error(
-        "{}: there is no topic in the namespace {namespace}\n{topics}",
+        "{}: the path of the {} has several meanings in this log{}", text::path(path), role.name(),
+        readings.iter().map(|reading| format!("\n  {reading}")).collect::<String>()
+    )]
+    SeveralReadings {
+        path: PathBuf,
+        role: Kind,
+        /// Each of them, with its topic in quotes.
+        readings: Vec<PathReading>,
+    },
+
+    #[error(
+        "{}: there is no topic in the namespace {namespace}\n{instead}",
         text::path(path)
     )]
     NoSuchNamespace {
         path: PathBuf,
         namespace: Foreign,
-        topics: LogTopics,
+        instead: Box<Instead>,
     },
 
     #[error(
-        "{}: the given {} does not fit: {misfit}\n{topics}", text::path(path), role.name()
+        "{}: the given {} does not fit: {misfit}\n{instead}", text::path(path), role.name()
     )]
     RoleDoesNotFit {
         path: PathBuf,
         role: Kind,
         misfit: Box<Misfit>,
-        topics: LogTopics,
+        instead: Box<Instead>,
     },
 
     #[error(
-        "{}: the profile `{profile}` does not fit: {misfit}\n{topics}",
+        "{}: the profile `{profile}` does not fit: {misfit}\n{instead}",
         text::path(path)
     )]
     ProfileDoesNotFit {
         path: PathBuf,
         profile: Foreign,
         misfit: Box<Misfit>,
-        topics: LogTopics,
+        instead: Box<Instead>,
     },
 
     #[error(
@@ -256,55 +270,5 @@ pub enum Unfit {
 impl From<ReadError> for Unfit {
     fn from(error: ReadError) -> Self {
         Self::Hopeless(error.into())
-    }
-}
-
-/// The topics of a log that have messages, as its errors list them.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(transparent)]
-pub struct LogTopics(pub BTreeSet<LogTopic>);
-
-/// A topic that has messages.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct LogTopic {
-    /// Its name.
-    pub topic: Foreign,
-    /// How its messages are encoded.
-    pub message_encoding: Foreign,
-    /// The name of their type, if they have one.
-    pub schema: Option<Foreign>,
-}
-
-impl LogTopics {
-    pub(super) fn of(log: &Log) -> Self {
-        let channels = log.contents.channels_with_messages();
-        let topics = channels.map(|(channel, _)| LogTopic {
-            topic: (&channel.topic).into(),
-            message_encoding: (&channel.message_encoding).into(),
-            schema: (log.contents.schema_of(channel)).map(|schema| schema.name.as_str().into()),
-        });
-        Self(topics.collect())
-    }
-}
-
-impl fmt::Display for LogTopics {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        /// How many topics are listed at most.
-        const LISTED: usize = 60;
-        if self.0.is_empty() {
-            return f.write_str("the log has no messages");
-        }
-        f.write_str("topics of the log:")?;
-        for topic in self.0.iter().take(LISTED) {
-            write!(f, "\n  {} ({}, ", topic.topic, topic.message_encoding)?;
-            match &topic.schema {
-                Some(schema) => write!(f, "{schema})")?,
-                None => f.write_str("no schema)")?,
-            }
-        }
-        match self.0.len().saturating_sub(LISTED) {
-            0 => Ok(()),
-            more => write!(f, "\n  and {more} more"),
-        }
     }
 }

@@ -19,6 +19,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
+use super::error::PathReading;
 use crate::{decode::path::FieldPath, sample::Kind};
 pub use components::{Components, WrongCount};
 pub use error::{BadRole, NotAProfile, ProfileError};
@@ -26,7 +27,7 @@ pub use fields::{
     AttitudeFields, Coordinates, Euler, GimbalFields, OptionalField, Orientation, Pitch,
     Quaternion, RoleFields, VelocityFields,
 };
-pub use location::{Condition, Location, SampleTime, Test, TimeField};
+pub use location::{Condition, Location, SampleTime, Test, TimeField, Written};
 
 /// Where a log of one kind has its telemetry, and in which conventions.
 ///
@@ -86,6 +87,42 @@ pub enum ProfileChoice {
 
 /// The built-in profiles, in the order in which they are listed: that of the file names in `profiles/`.
 const BUILT_IN: &[&str] = include!(concat!(env!("OUT_DIR"), "/profiles.rs"));
+
+impl Alternative {
+    /// What its paths mean if more of them is the topic, which may have dots; nothing if the topic was in quotes.
+    pub(super) fn longer_readings(&self) -> Vec<PathReading> {
+        let mut readings = Vec::new();
+        let (Written::InPaths, [topic]) = (self.location.written, &self.location.topics[..]) else {
+            return readings;
+        };
+        let mut topic = topic.clone();
+        let mut fields: Vec<FieldPath> = self.fields.fields().into_iter().cloned().collect();
+        loop {
+            let split: Option<Vec<_>> = fields.iter().map(FieldPath::split_first).collect();
+            let Some(split) = split else {
+                return readings;
+            };
+            let first = split[0].0;
+            if split.iter().any(|(name, _)| *name != first) {
+                return readings;
+            }
+            topic = format!("{topic}.{first}");
+            let rest: Vec<FieldPath> = split.into_iter().filter_map(|(_, rest)| rest).collect();
+            let is_whole = rest.is_empty();
+            if !is_whole && rest.len() < fields.len() {
+                return readings;
+            }
+            readings.push(PathReading {
+                topic: (&topic).into(),
+                fields: rest.clone(),
+            });
+            if is_whole {
+                return readings;
+            }
+            fields = rest;
+        }
+    }
+}
 
 impl Profile {
     /// The built-in profiles.

@@ -1,6 +1,7 @@
 //! Selecting the telemetry of a log: which profile, which vehicle, and which of the log's channels.
 
 mod fit;
+mod instead;
 mod log_search;
 mod namespace_search;
 
@@ -8,7 +9,7 @@ use std::{cmp::Reverse, collections::BTreeSet};
 
 use super::{
     RunnerUp, Source,
-    error::{LogTopics, TelemetryError, Unfit},
+    error::{TelemetryError, Unfit},
     profile::Profile,
     request::Request,
 };
@@ -132,7 +133,7 @@ impl Source {
         profiles.sort_by_key(|profile| Reverse(specificity(profile)));
         let (candidates, misfits) = try_profiles(log_search, &profiles, thoroughness)?;
         let Some((best, rest)) = choose(candidates) else {
-            return Err(none_fits(log, misfits));
+            return Err(none_fits(log_search, &profiles, misfits));
         };
         let [Candidate { profile, fit }] = best.as_slice() else {
             return Err(ambiguity(log, &best));
@@ -215,24 +216,27 @@ fn choose(candidates: Vec<Candidate>) -> Option<(Vec<Candidate>, Vec<Candidate>)
     Some((best, rest))
 }
 
-fn none_fits(log: &Log, misfits: Vec<RunnerUp>) -> TelemetryError {
-    let path = log.file.path().to_owned();
-    let topics = LogTopics::of(log);
+fn none_fits(
+    log_search: &LogSearch,
+    profiles: &[Profile],
+    misfits: Vec<RunnerUp>,
+) -> TelemetryError {
+    let path = log_search.log.file.path().to_owned();
     let misfits = misfits.into_iter();
     let tried: Vec<_> = misfits
         .filter_map(|misfit| Some((misfit.profile, misfit.attitude.err()?)))
         .collect();
-    match <[_; 1]>::try_from(tried) {
-        Ok([(profile, misfit)]) => TelemetryError::ProfileDoesNotFit {
+    match (profiles, <[_; 1]>::try_from(tried)) {
+        ([only], Ok([(profile, misfit)])) => TelemetryError::ProfileDoesNotFit {
             path,
             profile,
+            instead: log_search.instead_of_profile(only, &misfit).into(),
             misfit: misfit.into(),
-            topics,
         },
-        Err(tried) => TelemetryError::NotFound {
+        (_, tried) => TelemetryError::NotFound {
             path,
-            tried,
-            topics,
+            tried: tried.map_or_else(|tried| tried, Vec::from),
+            instead: log_search.instead_of_any().into(),
         },
     }
 }

@@ -120,9 +120,15 @@ impl StreamFilter {
             None if profile.namespaced => Pattern::new("", name).may_be_match(topic),
             None => Pattern::new("", name).is_match(topic),
         };
-        let alternatives = profile.alternatives(kind).iter();
-        let mut names = alternatives.flat_map(|alternative| &alternative.location.topics);
-        names.any(is_match)
+        let mut alternatives = profile.alternatives(kind).iter();
+        alternatives.any(|alternative| {
+            let longer = alternative.longer_readings().into_iter();
+            let longer = longer.map(|reading| reading.topic.as_str().to_owned());
+            let names: Vec<String> = (alternative.location.topics.iter().cloned())
+                .chain(longer)
+                .collect();
+            names.iter().any(is_match)
+        })
     }
 
     /// Whether the messages have the type and the fields of the attitude of a profile that names no topics, and of the

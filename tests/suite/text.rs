@@ -96,13 +96,31 @@ fn filter() -> Filter {
     "\"a\u{1b}\n\"==\"b\u{1b}\n\"".parse().expect("a filter")
 }
 
-fn topics() -> LogTopics {
+fn reading() -> PathReading {
+    PathReading {
+        topic: nasty(),
+        fields: vec![field()],
+    }
+}
+
+fn instead() -> Box<Instead> {
     let topic = LogTopic {
         topic: nasty(),
         message_encoding: nasty(),
         schema: Some(nasty()),
     };
-    LogTopics([topic].into())
+    let candidate = Candidate {
+        topic: topic.clone(),
+        fields: vec![field()],
+    };
+    Box::new(Instead {
+        meant: vec![nasty(); 2],
+        readings: vec![reading()],
+        role: Kind::Attitude,
+        candidates: vec![candidate],
+        others: vec![topic],
+        other_count: 1,
+    })
 }
 
 /// What an error says, and in how many lines.
@@ -206,29 +224,36 @@ fn no_error_says_a_name_unescaped() {
         TelemetryError::NoSuchNamespace {
             path: path(),
             namespace: nasty(),
-            topics: topics(),
+            instead: instead(),
         },
         TelemetryError::RoleDoesNotFit {
             path: path(),
             role: Kind::Gimbal,
             misfit: misfit(),
-            topics: topics(),
+            instead: instead(),
         },
         TelemetryError::ProfileDoesNotFit {
             path: path(),
             profile: nasty(),
             misfit: misfit(),
-            topics: topics(),
+            instead: instead(),
         },
+    ];
+    let several = [
         TelemetryError::SeveralProfilesFit {
             path: path(),
             fits: vec![(nasty(), nasty()); 2],
+        },
+        TelemetryError::SeveralReadings {
+            path: path(),
+            role: Kind::Attitude,
+            readings: vec![reading(); 2],
         },
     ];
     let not_found = TelemetryError::NotFound {
         path: path(),
         tried: vec![(nasty(), *misfit())],
-        topics: topics(),
+        instead: instead(),
     };
     let reason = MissingReason::TooFewUsable {
         sample: Kind::Attitude,
@@ -329,8 +354,9 @@ fn no_error_says_a_name_unescaped() {
         messages(1, journal),
         messages(1, write),
         messages(1, single),
-        messages(3, listing),
-        messages(5, [not_found]),
+        messages(8, listing),
+        messages(3, several),
+        messages(10, [not_found]),
         displayed.map(|text| (text, 1)).into(),
         messages(1, faults),
         messages(1, profile),

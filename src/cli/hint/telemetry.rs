@@ -11,6 +11,28 @@ use flightcam::{
 
 /// What the user can do about an error.
 pub fn hint(error: &TelemetryError) -> Option<String> {
+    let hint = advice(error);
+    let all_topics = all_topics(error);
+    let all = [hint, all_topics].into_iter().flatten();
+    all.reduce(|hint, more| format!("{hint}; {more}"))
+}
+
+/// How to see all topics of a log, if an error leaves out some.
+fn all_topics(error: &TelemetryError) -> Option<String> {
+    let (path, instead) = match error {
+        TelemetryError::NotFound { path, instead, .. }
+        | TelemetryError::NoSuchNamespace { path, instead, .. }
+        | TelemetryError::RoleDoesNotFit { path, instead, .. }
+        | TelemetryError::ProfileDoesNotFit { path, instead, .. } => (path, instead),
+        _ => return None,
+    };
+    let is_cut = instead.others.is_empty() && instead.other_count > 0;
+    let log = path.to_str().and_then(in_shell);
+    let log = log.unwrap_or_else(|| "LOG".to_owned());
+    is_cut.then(|| format!("`flightcam inspect {log} --topics` lists all topics"))
+}
+
+fn advice(error: &TelemetryError) -> Option<String> {
     Some(match error {
         TelemetryError::NotFound { tried, .. } => {
             let fields = tried.iter().find_map(|(_, misfit)| give_fields(misfit));
@@ -42,6 +64,19 @@ pub fn hint(error: &TelemetryError) -> Option<String> {
             let example = ids.first().map(|id| format!("{topic}{{{field}=={id}}}"));
             let option = format!("--{}", role.name());
             choose_one(&option, example.as_deref().and_then(in_shell))
+        }
+        TelemetryError::SeveralReadings { role, readings, .. } => {
+            let role = role.name();
+            let quoted = readings
+                .first()
+                .map(|reading| format!("{}:…", reading.quoted()));
+            match quoted.and_then(|quoted| in_shell(&quoted)) {
+                Some(argument) => format!(
+                    "give the one that you mean, with the topic in double quotes and all of it in single ones for the \
+                     shell: --{role} {argument}"
+                ),
+                None => "give the one that you mean, with the topic in double quotes".to_owned(),
+            }
         }
         TelemetryError::NoSuchNamespace { .. } => "correct --namespace, or leave it out".to_owned(),
         TelemetryError::RoleDoesNotFit { role, .. } => {

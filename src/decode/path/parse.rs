@@ -19,7 +19,8 @@ impl<'a> Parser<'a> {
     }
 
     pub fn message_path(&mut self) -> Option<MessagePath> {
-        let topic = match self.rest.starts_with('"') {
+        let quoted = self.rest.starts_with('"');
+        let topic = match quoted {
             true => self.quoted('"')?,
             false => self.take_until(|c| matches!(c, '.' | '[' | '{')).to_owned(),
         };
@@ -30,6 +31,8 @@ impl<'a> Parser<'a> {
         };
         (!topic.is_empty()).then_some(MessagePath {
             topic,
+            // Filters show where the topic ends, too.
+            quoted: quoted || !filters.is_empty(),
             filters,
             field,
         })

@@ -13,6 +13,9 @@ pub struct Location {
     /// vehicle's number, which with all that comes before it is the vehicle's namespace. If empty: for an attitude, any
     /// one topic whose messages have all of the fields; otherwise the attitude's own messages.
     pub topics: Vec<String>,
+    /// How the topic was written.
+    #[serde(skip)]
+    pub written: Written,
     /// The names of message types, of which a channel must have one; any, if empty. A `/msg/` within makes no
     /// difference.
     pub schemas: Vec<String>,
@@ -30,6 +33,22 @@ pub struct Location {
     /// What the time of a sample is, if it is not the profile's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<SampleTime>,
+}
+
+/// How a topic was written. Locations with the same topic are equal however it was written.
+#[derive(Debug, Clone, Copy, Default)]
+pub enum Written {
+    /// By itself, or in quotes.
+    #[default]
+    Exactly,
+    /// As the beginning of paths without quotes. More of the paths may be the topic, if that has dots.
+    InPaths,
+}
+
+impl PartialEq for Written {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Location {

@@ -11,7 +11,7 @@ use crate::{
     sample::{GimbalReference, Kind},
     source::profile::{
         Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
-        Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
+        Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields, Written,
         convention::{AngleUnit, Axes, WorldAxes},
     },
 };
@@ -41,6 +41,7 @@ impl RoleArgument {
         let Parts {
             topic,
             filters,
+            quoted,
             fields,
             mut words,
         } = text.parse()?;
@@ -67,6 +68,11 @@ impl RoleArgument {
         words.finish()?;
         let location = Location {
             select: filters,
+            written: if quoted {
+                Written::Exactly
+            } else {
+                Written::InPaths
+            },
             ..Location::on(topic)
         };
         Ok(Self::Fields(Alternative { location, fields }.into()))

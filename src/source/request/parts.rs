@@ -16,6 +16,8 @@ pub struct Parts {
     pub topic: String,
     /// What the messages must satisfy.
     pub filters: Vec<Filter>,
+    /// Whether the topic was in quotes anywhere.
+    pub quoted: bool,
     pub fields: Vec<FieldPath>,
     pub words: Words,
 }
@@ -145,6 +147,7 @@ impl FromStr for Parts {
         let mut paths = split(words.next().unwrap_or_default(), ',').into_iter();
         let first: MessagePath = paths.next().unwrap_or_default().trim().parse()?;
         let mut fields: Vec<FieldPath> = first.field.into_iter().collect();
+        let mut quoted = first.quoted;
         for path in paths {
             let path: MessagePath = path.trim().parse()?;
             if path.topic != first.topic {
@@ -157,11 +160,13 @@ impl FromStr for Parts {
                     topic: first.topic.into(),
                 });
             }
+            quoted |= path.quoted;
             fields.extend(path.field);
         }
         Ok(Self {
             topic: first.topic,
             filters: first.filters,
+            quoted,
             fields,
             words: Words(words.map(str::to_owned).collect()),
         })

@@ -14,9 +14,9 @@ use crate::{
     sample::Kind,
     source::{
         bind::BindError,
-        error::{LogTopics, Misfit, TelemetryError, TopicMisfit, Unfit},
+        error::{Misfit, TelemetryError, TopicMisfit, Unfit},
         pattern::{Pattern, is_within},
-        profile::Profile,
+        profile::{Alternative, Profile},
         request::{Request, RoleArgument},
     },
     text::Foreign,
@@ -68,7 +68,7 @@ impl<'a> LogSearch<'a> {
             return Err(TelemetryError::NoSuchNamespace {
                 path: self.log.file.path().into(),
                 namespace: namespace.into(),
-                topics: LogTopics::of(self.log),
+                instead: self.instead_of_namespace(namespace).into(),
             });
         }
         for (&kind, argument) in self.requested {
@@ -85,12 +85,24 @@ impl<'a> LogSearch<'a> {
         Ok(())
     }
 
+    /// Checks that the paths of an alternative mean only one thing in this log.
+    fn check_path(&self, role: Kind, alternative: &Alternative) -> Result<(), TelemetryError> {
+        match self.ambiguous_readings(alternative) {
+            None => Ok(()),
+            Some(readings) => Err(TelemetryError::SeveralReadings {
+                path: self.log.file.path().into(),
+                role,
+                readings,
+            }),
+        }
+    }
+
     pub fn role_does_not_fit(&self, role: Kind, misfit: Misfit) -> TelemetryError {
         TelemetryError::RoleDoesNotFit {
             path: self.log.file.path().into(),
             role,
+            instead: self.instead_of_request(role, &misfit).into(),
             misfit: misfit.into(),
-            topics: LogTopics::of(self.log),
         }
     }
 
@@ -99,6 +111,11 @@ impl<'a> LogSearch<'a> {
     /// # Errors
     /// It fits nowhere; the error says why.
     pub fn fit(&self, profile: &Profile) -> Result<Vec<Fit>, Unfit> {
+        for kind in Kind::ALL {
+            for alternative in profile.alternatives(kind) {
+                self.check_path(kind, alternative)?;
+            }
+        }
         match specificity(profile) {
             Specificity::Topic => self.fit_by_topics(profile),
             Specificity::Schema | Specificity::Fields => self.fit_by_fields(profile),

@@ -16,7 +16,7 @@ use crate::{
         Origin,
         bind::{BindError, Binder, BoundRole, ChannelName, SaidBy, bind_role, for_type},
         channel::ChannelReader,
-        error::{LogTopics, Misfit, TelemetryError, TopicMisfit, Unfit},
+        error::{Misfit, TelemetryError, TopicMisfit, Unfit},
         pattern::Pattern,
         profile::{Alternative, Profile},
         request::RoleArgument,
@@ -292,11 +292,14 @@ impl NamespaceSearch<'_> {
         error: BindError,
     ) -> Result<TelemetryError, ReadError> {
         let misfit = TopicMisfit::new(&channel.topic, error.unless_of_reading()?);
+        let misfit = Misfit::Messages(misfit);
         Ok(TelemetryError::ProfileDoesNotFit {
             path: self.log_search.log.file.path().into(),
             profile: (&self.profile.name).into(),
-            misfit: Misfit::Messages(misfit).into(),
-            topics: LogTopics::of(self.log_search.log),
+            instead: (self.log_search)
+                .instead_of_profile(self.profile, &misfit)
+                .into(),
+            misfit: misfit.into(),
         })
     }
 }

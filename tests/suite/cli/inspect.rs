@@ -415,3 +415,46 @@ fn an_unreadable_log_is_an_error() {
     let message = "`px4` … px4-ulog, px4-ros2";
     Folder::with_flight().refuses(&format!("inspect {LOG} --profile px4"), 2, message);
 }
+
+#[test]
+fn all_topics_are_listed_where_that_is_asked_for() {
+    let printed = prints(&Folder::with_flight(), "--topics", 0);
+    assert!(
+        printed.starts_with("messages     rate  topic            type\n"),
+        "{printed}"
+    );
+    assert_eq!(printed.lines().count(), 5, "{printed}");
+    assert_reads(
+        &printed,
+        "3,310  50.0 Hz  /drone/state … demo.DroneState, protobuf",
+    );
+
+    let json = prints(&small_log(), "--topics --json", 0);
+    let json: Value = serde_json::from_str(&json).expect("one JSON document");
+    let row = |topic, schema, messages, rate_hz: Value| json!({ "topic": topic, "encoding": "json", "schema": schema, "messages": messages, "rate_hz": rate_hz });
+    let expected = json!({
+        "input": LOG,
+        "topics": [
+            row("/drone/state", "mine.State", 5, json!(50.0)),
+            row("/more/notes", "mine.Note", 1, Value::Null),
+            row("/notes", "mine.Note", 1, Value::Null),
+        ],
+    });
+    assert_eq!(json, expected);
+}
+
+#[test]
+fn topics_are_listed_of_a_log_whose_telemetry_is_not_found_and_an_error_says_how() {
+    let names = ["/a", "/b", "/c", "/d", "/e", "/f", "/g", "/h", "/i"];
+    let folder = Folder::with(
+        LOG,
+        log(&names.map(|name| topic(name, [json!({ "n": 1 })]))),
+    );
+    let (_, err) = folder.run(&format!("enrich {LOG} --depression 30"), 1);
+    assert_reads(
+        &err,
+        "the log has 9 topics … `flightcam inspect flight.mcap --topics` lists all topics",
+    );
+    let printed = prints(&folder, "--topics", 0);
+    assert!(names.iter().all(|name| printed.contains(name)), "{printed}");
+}

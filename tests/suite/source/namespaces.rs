@@ -130,7 +130,7 @@ fn a_namespace_may_be_empty() {
 #[test]
 fn a_namespace_without_topics_is_refused_with_those_that_have_some() {
     let missing =
-        format!("there is no topic in the namespace /drone … topics of the log: … {POSE}");
+        format!("there is no topic in the namespace /drone\ndid you mean /drone1? … {POSE}");
     refuses(&one(), &[("--namespace", "/drone")], &missing);
     refuses(
         &one(),

@@ -279,7 +279,7 @@ mod what_the_user_gives {
         ] {
             let topics = [flat("/state")];
             let words = format!(
-                "{} does not fit: there is no message on /imu … topics of the log: … /state",
+                "{} does not fit: there is no message on /imu … /state",
                 &role[2..]
             );
             refuses(&topics, &[(role, missing)], &words);

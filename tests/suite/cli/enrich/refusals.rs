@@ -108,9 +108,17 @@ fn a_profile_that_does_not_fit_says_where_and_what_is_there_instead() {
     };
     let elsewhere = topic("/drone/status", states(5, 1.0));
     let cases = [
-        (flight(), "rol", "`rol`; demo.DroneState has … yaw"),
+        (
+            flight(),
+            "rol",
+            "`rol`; did you mean `roll`? demo.DroneState has … yaw",
+        ),
         (flight(), "timestamp", "`timestamp` is not a number"),
-        (state_log(1.0), "rol", "`rol`; … has pitch, roll, vx"),
+        (
+            state_log(1.0),
+            "rol",
+            "`rol`; did you mean `roll`? … has pitch, roll, vx",
+        ),
         (
             log(&[listed]),
             "roll",
