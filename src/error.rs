@@ -10,7 +10,7 @@ pub use crate::{
     run::{Left, RunError},
     source::{
         error::{Candidate, Instead, LogTopic, Misfit, PathReading, TelemetryError, TopicMisfit},
-        profile::{BadRole, NotAProfile, ProfileError, WrongCount},
+        profile::{BadRole, NotAProfile, Problem as ProfileProblem, ProfileError, WrongCount},
     },
     writer::{
         IdKind, SpecialFile, WriteError,

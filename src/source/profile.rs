@@ -17,38 +17,32 @@ use std::{
     path::Path,
 };
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::error::PathReading;
 use crate::{decode::path::FieldPath, sample::Kind};
 pub use components::{Components, WrongCount};
-pub use error::{BadRole, NotAProfile, ProfileError};
+pub use error::{BadRole, NotAProfile, Problem, ProfileError};
 pub use fields::{
     AttitudeFields, Coordinates, Euler, GimbalFields, OptionalField, Orientation, Pitch,
     Quaternion, RoleFields, VelocityFields,
 };
 pub use location::{Condition, Location, SampleTime, Test, TimeField, Written};
 
-/// Where a log of one kind has its telemetry, and in which conventions.
-///
-/// Unknown keys are refused by [`Profile::parse`].
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+/// Where a log of one kind has its telemetry, and in which conventions. [`Profile::parse`] reads it from TOML.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Profile {
     /// What the report calls it.
     pub name: String,
     /// A one-line description.
-    #[serde(default)]
     pub description: String,
     /// Whether the profile is tried on a log for which the user names none.
-    #[serde(default = "yes")]
     pub automatic: bool,
     /// Whether all of its topics may be in a vehicle's namespace: `/drone1/mavros/…` for `/mavros/…`.
-    #[serde(default)]
     pub namespaced: bool,
     /// What the time of a sample is.
-    #[serde(default)]
     pub time: SampleTime,
-    #[serde(flatten, with = "toml::roles")]
+    #[serde(flatten, serialize_with = "toml::roles::serialize")]
     roles: Roles,
 }
 
@@ -196,9 +190,9 @@ impl Profile {
             .extension()
             .is_some_and(|extension| extension == "toml")
             || path.components().count() > 1;
-        let bad = |problem| ProfileError::Bad {
+        let bad = |problem: NotAProfile| ProfileError::Bad {
             path: path.into(),
-            problem,
+            problem: problem.into(),
         };
         let text = match is_file {
             true => &read(path).map_err(|source| ProfileError::Io {

@@ -315,7 +315,13 @@ fn no_error_says_a_name_unescaped() {
         },
         ProfileError::Bad {
             path: path(),
-            problem: NotAProfile::UnknownKey { key: nasty() },
+            problem: Box::new(NotAProfile::Content {
+                line: 1,
+                problem: ProfileProblem::UnknownKey {
+                    key: nasty(),
+                    meant: Some(nasty()),
+                },
+            }),
         },
     ];
     let role = [

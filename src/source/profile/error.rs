@@ -29,7 +29,10 @@ pub enum ProfileError {
     Io { path: PathBuf, source: io::Error },
 
     #[error("{}: not a profile: {problem}", text::path(path))]
-    Bad { path: PathBuf, problem: NotAProfile },
+    Bad {
+        path: PathBuf,
+        problem: Box<NotAProfile>,
+    },
 }
 
 /// Why a text is not a profile.
@@ -40,20 +43,43 @@ pub enum NotAProfile {
     #[error("{}", text::escaped_lines(.0.to_string().trim()))]
     Syntax(toml::de::Error),
 
-    #[error("{}", text::escaped(in_one_line(.0)))]
-    Content(toml::de::Error),
-
     #[error("it is longer than 1 MiB")]
     TooLong,
 
-    #[error("unknown key `{key}`; docs/profiles.md lists the keys of a profile")]
-    UnknownKey { key: Foreign },
-
-    #[error("`attitude` is empty: it needs at least one alternative")]
+    #[error("there is no `attitude`: a profile needs at least one alternative of it")]
     NoAttitude,
 
+    #[error("line {line}: {problem}")]
+    Content {
+        /// Counted from 1.
+        line: usize,
+        problem: Problem,
+    },
+}
+
+/// What is wrong with the content of a text that is TOML, but not a profile.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)]
+pub enum Problem {
+    #[error("{}{}", text::escaped(in_one_line(problem)), role.map_or_else(String::new, in_role))]
+    Serde {
+        role: Option<Kind>,
+        problem: toml::de::Error,
+    },
+
     #[error(
-        "some alternatives of `attitude` have `topics` and others have not; \
+        "unknown key `{key}`{}; docs/profiles.md lists the keys of a profile",
+        meant.as_ref().map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
+    )]
+    UnknownKey {
+        key: Foreign,
+        /// The key that was likely meant.
+        meant: Option<Foreign>,
+    },
+
+    #[error(
+        "this alternative of `attitude` has `topics` and the first one has not, or the other way round; \
          name the topics of each, or of none"
     )]
     TopicsOfSome,
@@ -64,7 +90,7 @@ pub enum NotAProfile {
     )]
     VehicleWithoutNamespace,
 
-    #[error("{problem}, in `{}`", role.name())]
+    #[error("{problem}{}", in_role(*role))]
     Role { role: Kind, problem: BadRole },
 }
 
@@ -124,8 +150,12 @@ pub enum BadRole {
 }
 
 /// Says what is wrong with a value, and in which key.
-pub(super) fn in_one_line(error: &toml::de::Error) -> String {
+fn in_one_line(error: &toml::de::Error) -> String {
     let text = error.to_string();
     let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
     lines.join(", ")
+}
+
+fn in_role(role: Kind) -> String {
+    format!(", in `{}`", role.name())
 }

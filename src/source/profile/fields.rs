@@ -2,7 +2,7 @@
 //!
 //! `F` stands for a field: its path in a profile, its slot in a decoder.
 
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Deserializer, Serialize, de::DeserializeOwned};
 use toml::Value;
 
 use super::{
@@ -231,7 +231,7 @@ impl<F> RoleFields<F> {
 
 impl RoleFields {
     /// Reads a role's fields from its table in a profile, which has other keys too.
-    pub(super) fn read(kind: Kind, role: Value) -> Result<Self, toml::de::Error> {
+    pub(super) fn read<'de, D: Deserializer<'de>>(kind: Kind, role: D) -> Result<Self, D::Error> {
         /// The key of these fields has to be found among the others.
         #[derive(Deserialize)]
         struct InRole {
@@ -239,11 +239,11 @@ impl RoleFields {
             coordinates: Coordinates,
         }
         Ok(match kind {
-            Kind::Attitude => Self::Attitude(role.try_into()?),
-            Kind::Velocity => Self::Velocity(role.try_into()?),
-            Kind::Gimbal => Self::Gimbal(role.try_into()?),
+            Kind::Attitude => Self::Attitude(AttitudeFields::deserialize(role)?),
+            Kind::Velocity => Self::Velocity(VelocityFields::deserialize(role)?),
+            Kind::Gimbal => Self::Gimbal(GimbalFields::deserialize(role)?),
             Kind::Position => {
-                let InRole { coordinates } = role.try_into()?;
+                let InRole { coordinates } = InRole::deserialize(role)?;
                 Self::Position(coordinates)
             }
         })

@@ -160,7 +160,7 @@ fn a_path_may_begin_with_a_topic_in_quotes_or_without() {
             topic: topic.to_owned(),
             filters: filters.iter().map(|text| filter(text)).collect(),
             field: path.map(field),
-            quoted: text.starts_with('"'),
+            quoted: text.starts_with(['"']) || text.contains('{'),
         };
         assert_eq!(text.parse(), Ok(expected), "{text}");
     }

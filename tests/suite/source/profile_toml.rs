@@ -241,7 +241,7 @@ fn unknown_keys_are_refused_by_name_at_every_level() {
         ),
         (
             "velocity = { vector = \"v\", frame = \"ned\", when = { field = \"f\", is = 1, not = 2 } }",
-            "`not`",
+            "unknown key `velocity.when.not`",
         ),
         (
             "time.field = { path = \"t\", units = \"s\" }",
@@ -263,8 +263,8 @@ fn unknown_keys_are_refused_by_name_at_every_level() {
 #[test]
 fn errors_name_the_place_and_what_would_be_valid() {
     for (text, words) in [
-        ("", "missing field `attitude`"),
-        ("attitude = []", "`attitude` is empty"),
+        ("", "there is no `attitude`"),
+        ("attitude = []", "there is no `attitude`"),
         (
             "attitude = { topics = [\"/a\"] }",
             "missing field `orientation`, in `attitude`",
@@ -315,7 +315,7 @@ fn errors_name_the_place_and_what_would_be_valid() {
         ),
         (
             "attitude = [{ topics = [\"/a\"], orientation.quaternion = \"q\" }, { orientation.quaternion = \"q\" }]",
-            "some alternatives of `attitude` have `topics` and others have not; name the topics of each, or of none",
+            "has `topics` and the first one has not, or the other way round; name the topics of each, or of none",
         ),
     ] {
         refused(text, words);
@@ -327,7 +327,7 @@ fn errors_name_the_place_and_what_would_be_valid() {
         ),
         (
             "velocity = [{ vector = \"v\", frame = \"ned\" }, { vector = \"v\", frame = \"xyz\" }]",
-            "axes are three letters, one for each component … in alternative 2, in `velocity`",
+            "axes are three letters, one for each component … in `velocity`",
         ),
         (
             "gimbal.orientation.quaternion = \"q\"",
@@ -366,4 +366,139 @@ fn a_quaternion_is_w_first_by_default() {
         order("{ fields = \"q\", order = \"xyzw\" }"),
         QuaternionOrder::Xyzw
     );
+}
+
+/// A profile with a mistake in the line that `MISTAKE` stands for.
+const LINES: &str = r#"name = "mine"
+description = "with mistakes"
+
+[[attitude]]
+topics = ["/a"]
+orientation.quaternion = "q"
+
+[[attitude]]
+topics = ["/b"]
+when = { field = "frame", is = 1 }
+orientation.euler = { roll = "r", pitch = "p", yaw = "y", unit = "degrees" }
+
+[velocity]
+topics = ["/v"]
+vector = "v"
+frame = "ned"
+
+[gimbal]
+orientation.pitch = { field = "/g.pitch", unit = "degrees" }
+reference = "heading"
+"#;
+
+#[test]
+fn errors_say_in_which_line() {
+    assert!(Profile::parse(LINES).is_ok());
+    for (right, wrong, line, words) in [
+        (
+            "description",
+            "descriptoin",
+            2,
+            "unknown key `descriptoin`; did you mean `description`?",
+        ),
+        (
+            "topics = [\"/b\"]",
+            "topic = [\"/b\"]",
+            9,
+            "unknown key `attitude.topic`; did you mean `topics`?",
+        ),
+        ("is = 1", "iz = 1", 10, "unknown key `attitude.when.iz`"),
+        (
+            "field = \"frame\"",
+            "feild = \"frame\"",
+            10,
+            "unknown key `attitude.when.feild`; did you mean `field`?",
+        ),
+        (
+            "\"frame\", is = 1",
+            "\"frame\", is = 1, says = \"x\"",
+            10,
+            "takes only one of",
+        ),
+        ("\"frame\"", "\"a[\"", 10, "`a[` is not the path of a field"),
+        (
+            "unit = \"degrees\" }\n\n[vel",
+            "unit = \"gradians\" }\n\n[vel",
+            11,
+            "`gradians`, expected one of",
+        ),
+        (
+            ", unit = \"degrees\" }\n\n[vel",
+            " }\n\n[vel",
+            11,
+            "missing field `unit`",
+        ),
+        ("roll = \"r\", ", "", 11, "missing field `roll`"),
+        (
+            "yaw = \"y\"",
+            "yaw = 5",
+            11,
+            "invalid type: integer `5`, expected",
+        ),
+        (
+            "frame = \"ned\"",
+            "frame = \"ndd\"",
+            16,
+            "unknown variant `ndd`",
+        ),
+        ("frame = \"ned\"\n", "", 13, "missing field `frame`"),
+        (
+            "vector = \"v\"",
+            "vector = [\"v\", \"w\"]",
+            15,
+            "2 fields were given",
+        ),
+        (
+            "vector = \"v\"",
+            "vector = \"/v.v\"",
+            13,
+            "names the topic /v, and there is `topics` as well",
+        ),
+        (
+            "topics = [\"/v\"]",
+            "topics = \"/v\"",
+            14,
+            "invalid type: string \"/v\", expected a sequence",
+        ),
+        (
+            "topics = [\"/a\"]\n",
+            "",
+            7,
+            "has `topics` and the first one has not",
+        ),
+        (
+            "topics = [\"/v\"]",
+            "topics = [\"/v{vehicle}\"]",
+            13,
+            "namespaced = true",
+        ),
+        (
+            "reference = \"heading\"",
+            "reference = \"earth\"",
+            18,
+            "a pitch alone has no yaw",
+        ),
+        (
+            "field = \"/g.pitch\"",
+            "field = \"/g\"",
+            19,
+            "`/g` names no field",
+        ),
+    ] {
+        assert!(LINES.contains(right), "{right}");
+        let text = LINES.replacen(right, wrong, 1);
+        let problem = Profile::parse(&text).expect_err(wrong).to_string();
+        assert_reads(&problem, &format!("line {line}: … {words}"));
+    }
+}
+
+#[test]
+fn a_key_like_no_other_is_refused_without_a_guess() {
+    let problem = parse(&beside_attitude("colour = \"red\"")).expect_err("no key");
+    assert!(!problem.to_string().contains("did you mean"), "{problem}");
 }
