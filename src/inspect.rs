@@ -28,7 +28,7 @@ use crate::{
     run::{Input, RunError},
     sample::{Kind, Sample, Tallies, Tally},
     source::{
-        Origin, ReadAs, RefusedFrames, RunnerUp, Source, error::Misfit,
+        Origin, ReadAs, RefusedFrames, RunnerUp, Source, UnmetCondition, error::Misfit,
         undecodable::UndecodableMessage,
     },
     text::Foreign,
@@ -159,6 +159,9 @@ pub struct FoundRole {
     /// The frames for which samples were dropped.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub refused_frames: Vec<RefusedFrames>,
+    /// What conditions found in the messages that they left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unmet_conditions: Vec<UnmetCondition>,
     /// The earliest of those that could not be decoded.
     pub first_undecodable: Option<UndecodableMessage>,
     /// The filters that held for none of those, and what their fields have instead.
@@ -207,6 +210,7 @@ impl FoundRole {
             tally: tally.clone(),
             read_as: source.read_as(kind),
             refused_frames: source.refused_frames(kind),
+            unmet_conditions: source.unmet_conditions(kind).1,
             first_undecodable: source.undecodable(kind),
             unmet_filters: source.unmet_filters(kind),
             share_invalid: match tally.total() {
@@ -271,7 +275,8 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
     match Source::compare(&log, &options.telemetry) {
         Ok(mut source) => {
             let found = Telemetry::describe(&log, &mut source, options)?;
-            notes.extend(Note::on_suspicious_angle(&source));
+            notes.extend(Note::on_suspicious_angle(&source, &options.telemetry));
+            notes.extend(Note::on_unmet_conditions(&source));
             let mixed = source.check_sources(&log).err().map(Error::from);
             problem = problem
                 .or(mixed)
@@ -385,6 +390,7 @@ impl Telemetry {
                 refused_frames: found.refused_frames.clone(),
                 first_undecodable: found.first_undecodable.clone().map(Box::new),
                 unmet_filters: found.unmet_filters.clone(),
+                conditions: found.unmet_conditions.clone(),
             })),
             RoleReport::Missing { missing } => Err(Box::new(MissingReason::NoSamples {
                 sample: kind,

@@ -148,9 +148,10 @@ pub use restore::{Restored, restore};
 pub use run::{Input, Output};
 pub use sample::{DropReason, Kind, Stamp, Tallies, Tally};
 pub use source::{
-    Because, Id, NamedFrame, Origin, ReadAs, Reading, RefusedFrames, RunnerUp,
+    Because, FoundValue, Id, NamedFrame, Origin, ReadAs, Reading, RefusedFrames, RunnerUp,
+    UnmetCondition,
     profile::ProfileChoice,
-    request::{BadArgument, Request, RoleArgument},
+    request::{BadArgument, HowAsked, Request, RoleArgument},
     undecodable::UndecodableMessage,
 };
 pub use text::Foreign;

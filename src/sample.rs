@@ -195,6 +195,8 @@ pub enum DropReason {
     ParameterList,
     /// A field that the message may leave out is not in it.
     MissingField,
+    /// No condition of the profile holds for the message.
+    UnmetCondition,
     /// According to the log it is measured in a frame that cannot be related to NED.
     UnknownFrame,
     /// According to the log it is measured in other axes than the profile says.
@@ -238,6 +240,7 @@ impl DropReason {
             DropReason::Xcdr2 => "xcdr2",
             DropReason::ParameterList => "parameter_list",
             DropReason::MissingField => "missing_field",
+            DropReason::UnmetCondition => "unmet_condition",
             DropReason::UnknownFrame => "unknown_frame",
             DropReason::OtherFrame => "other_frame",
             DropReason::OwnFrame => "own_frame",
@@ -272,6 +275,7 @@ impl fmt::Display for DropReason {
                 "encoded as a CDR parameter list (PL_CDR), which flightcam does not read"
             }
             DropReason::MissingField => "without a field that is needed",
+            DropReason::UnmetCondition => "left out by the profile's conditions (`when`)",
             DropReason::UnknownFrame => "in a frame that cannot be related to NED",
             DropReason::OtherFrame => "in a frame that contradicts the profile",
             DropReason::OwnFrame => "measured from the drone's own frame, which is no attitude",

@@ -31,8 +31,8 @@ use crate::{
     sample::{DropReason, Kind, Sample},
     text::{self, Foreign},
 };
-use channel::{ChannelReader, LargestAngles};
-pub use channel::{Id, RefusedFrames};
+use channel::{ChannelReader, LargestAngles, UnmetTracker};
+pub use channel::{FoundValue, Id, RefusedFrames, UnmetCondition};
 use error::{Misfit, TelemetryError};
 pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
@@ -210,6 +210,18 @@ impl Source {
             log_time,
             problem,
         })
+    }
+
+    /// How many samples of a kind were left out because no condition holds for their messages, and what those held, as far
+    /// as messages have been read.
+    pub fn unmet_conditions(&self, kind: Kind) -> (u64, Vec<UnmetCondition>) {
+        let trackers = || {
+            self.channels
+                .values()
+                .filter_map(|channel| channel.unmet(kind))
+        };
+        let samples = trackers().map(|tracker| tracker.messages).sum();
+        (samples, trackers().flat_map(UnmetTracker::unmet).collect())
     }
 
     /// An angle of the attitude that was read as radians and is too large to be, once all messages have been read.

@@ -90,6 +90,7 @@ impl<'a> Findings<'a> {
             refused_frames: samples.refused_frames.clone(),
             first_undecodable: self.source.undecodable(kind).map(Box::new),
             unmet_filters: self.source.unmet_filters(kind),
+            conditions: self.source.unmet_conditions(kind).1,
         }
     }
 
@@ -165,10 +166,16 @@ impl<'a> Findings<'a> {
             written.checksum_was_wrong.then_some(Note::ChecksumWrong),
             self.note_on_ignored_gimbal(),
             self.note_on_times(written),
-            Note::on_suspicious_angle(&self.source),
+            Note::on_suspicious_angle(&self.source, &self.options.telemetry),
         ];
+        let unmet = Note::on_unmet_conditions(&self.source);
         let ros2 = ros2::notes(log, output, self.options.encoding, self.encoding.name);
-        notes.into_iter().flatten().chain(ros2).collect()
+        notes
+            .into_iter()
+            .flatten()
+            .chain(unmet)
+            .chain(ros2)
+            .collect()
     }
 
     fn note_on_end(&self) -> Option<Note> {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::{
     decode::trial::UnmetFilter,
     sample::{Kind, Tally},
-    source::{RefusedFrames, error::Misfit, undecodable::UndecodableMessage},
+    source::{RefusedFrames, UnmetCondition, error::Misfit, undecodable::UndecodableMessage},
     text::{self, Foreign},
 };
 
@@ -52,6 +52,9 @@ pub enum MissingReason {
         /// The filters that held for no message, and what their fields have instead.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         unmet_filters: Vec<UnmetFilter>,
+        /// What conditions found in the messages that they left out.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        conditions: Vec<UnmetCondition>,
     },
     /// No two attitude samples belong together.
     NoneAdjacent {
@@ -75,6 +78,7 @@ impl fmt::Display for MissingReason {
                 refused_frames,
                 first_undecodable,
                 unmet_filters,
+                conditions,
             } => {
                 let kind = sample.name();
                 match needed {
@@ -89,6 +93,9 @@ impl fmt::Display for MissingReason {
                 }
                 for refused in refused_frames {
                     write!(f, "; {refused}")?;
+                }
+                for condition in conditions {
+                    write!(f, "; {condition}")?;
                 }
                 match tally.unselected {
                     0 => {}

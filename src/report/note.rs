@@ -7,7 +7,12 @@ use serde::Serialize;
 use super::{CameraReport, lossy};
 use crate::{
     log::Log,
-    source::{Source, undecodable::UndecodableMessage},
+    sample::Kind,
+    source::{
+        Source, UnmetCondition,
+        request::{HowAsked, Request},
+        undecodable::UndecodableMessage,
+    },
     text::Foreign,
     writer::{Layout, provenance::EarlierRun},
 };
@@ -82,6 +87,19 @@ pub enum Note {
         topic: Foreign,
         /// The largest.
         angle: f64,
+        /// How the user asked for these angles.
+        asked: HowAsked,
+    },
+    /// Samples were left out because no condition of the profile holds for their messages.
+    UnmetConditions {
+        /// Samples of what.
+        sample: Kind,
+        /// Where they are.
+        topic: Foreign,
+        /// How many.
+        samples: u64,
+        /// What was found, and what was wanted.
+        conditions: Vec<UnmetCondition>,
     },
     /// All channels of the log are ROS 2, and the new ones are not, so that ROS 2 tools refuse the result.
     NewChannelsNotRos2,
@@ -121,9 +139,28 @@ impl Note {
     }
 
     /// A note for telemetry whose angles are too large for radians, once all messages have been read.
-    pub(crate) fn on_suspicious_angle(source: &Source) -> Option<Self> {
+    pub(crate) fn on_suspicious_angle(source: &Source, request: &Request) -> Option<Self> {
         let angle = source.suspicious_angle()?;
         let topic = source.attitude().topic.clone();
-        Some(Self::SuspiciousAngle { topic, angle })
+        let asked = request.how_asked(Kind::Attitude, &source.profile);
+        Some(Self::SuspiciousAngle {
+            topic,
+            angle,
+            asked,
+        })
+    }
+
+    /// Notes for samples that conditions left out, as far as messages have been read.
+    pub(crate) fn on_unmet_conditions(source: &Source) -> impl Iterator<Item = Self> {
+        Kind::LISTED.into_iter().filter_map(|sample| {
+            let (samples, conditions) = source.unmet_conditions(sample);
+            let topic = source.role(sample)?.topic.clone();
+            (samples > 0).then_some(Self::UnmetConditions {
+                sample,
+                topic,
+                samples,
+                conditions,
+            })
+        })
     }
 }

@@ -2,6 +2,7 @@
 
 mod frames;
 mod ids;
+mod unmet;
 
 use std::sync::Arc;
 
@@ -11,6 +12,7 @@ pub use frames::RefusedFrames;
 use frames::{Conversion, FrameTracker};
 pub use ids::Id;
 use ids::SeenIds;
+pub use unmet::{FoundValue, UnmetCondition, UnmetTracker};
 
 use super::{
     bind::{BindError, BoundRole, Reading, Slot, TimeSlots},
@@ -63,6 +65,8 @@ struct FoundInRole {
     /// The frames of each reading.
     frames: Vec<FrameTracker>,
     ids: SeenIds,
+    /// What the conditions left out.
+    unmet: UnmetTracker,
 }
 
 /// Sources that are mixed on one topic.
@@ -105,6 +109,7 @@ impl ChannelReader {
             selection: Selection::new(role, &slots),
             frames: vec![FrameTracker::default(); role.readings.len()],
             ids: SeenIds::default(),
+            unmet: UnmetTracker::new(role, wanted),
         });
         Ok(Self {
             found: found.collect(),
@@ -142,7 +147,12 @@ impl ChannelReader {
                 }
                 // The message is another source's.
                 Ok(None) => continue,
-                Err(reason) => Err(reason),
+                Err(reason) => {
+                    if reason == DropReason::UnmetCondition {
+                        found.unmet.note(values);
+                    }
+                    Err(reason)
+                }
             };
             emit(role.kind, sample);
         }
@@ -202,6 +212,7 @@ impl ChannelReader {
         for (found, more) in self.found.iter_mut().zip(&clone.found) {
             found.selection.merge(&more.selection);
             found.ids.merge(&more.ids);
+            found.unmet.merge(&more.unmet);
             for (frames, more) in found.frames.iter_mut().zip(&more.frames) {
                 frames.merge(more);
             }
@@ -245,6 +256,12 @@ impl ChannelReader {
                     ids: ids.to_vec(),
                 })
             })
+    }
+
+    /// What conditions left out of the samples of a kind.
+    pub fn unmet(&self, kind: Kind) -> Option<&UnmetTracker> {
+        let place = self.roles.iter().position(|role| role.kind == kind)?;
+        self.found.get(place).map(|found| &found.unmet)
     }
 
     /// The largest Euler angles that were read as radians.

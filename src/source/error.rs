@@ -157,6 +157,13 @@ pub enum Misfit {
     #[error("{}: {}", .0.topic, .0.cause)]
     Messages(TopicMisfit),
 
+    #[error(
+        "an alternative of `{}` would never be used, because no message has the field of its `when` or `valid`: \
+         {}: {}",
+        role.name(), misfit.topic, misfit.cause
+    )]
+    Condition { role: Kind, misfit: TopicMisfit },
+
     #[error("the messages on {topic} have none")]
     NotWithAttitude { topic: Foreign },
 

@@ -6,11 +6,13 @@ mod parts;
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use super::{
     pattern::Pattern,
     profile::{Alternative, Profile, ProfileChoice, SampleTime},
 };
-use crate::sample::Kind;
+use crate::{sample::Kind, text::Foreign};
 pub use argument::RoleArgument;
 pub use error::BadArgument;
 
@@ -38,7 +40,46 @@ pub fn namespace(text: &str) -> Result<String, std::convert::Infallible> {
     })
 }
 
+/// How the user asked for a role to be read, which is where to change it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(tag = "by", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum HowAsked {
+    /// By naming its fields.
+    Argument,
+    /// By a profile of the user's own.
+    OwnProfile {
+        /// Its name.
+        profile: Foreign,
+    },
+    /// By the name of a built-in profile, or not at all.
+    BuiltIn {
+        /// The profile's name.
+        profile: Foreign,
+    },
+}
+
 impl Request {
+    /// How the user asked for a role to be read that is read by this profile.
+    pub fn how_asked(&self, role: Kind, profile: &Profile) -> HowAsked {
+        let profile = (&profile.name).into();
+        match (self.roles.get(&role), self.own_profile()) {
+            (Some(RoleArgument::Fields(_)), _) => HowAsked::Argument,
+            (_, Some(_)) => HowAsked::OwnProfile { profile },
+            (_, None) => HowAsked::BuiltIn { profile },
+        }
+    }
+
+    /// The profile to use, if it is not a built-in one.
+    pub(super) fn own_profile(&self) -> Option<&Profile> {
+        match &self.profile {
+            ProfileChoice::Given(profile) if !Profile::built_in().contains(profile) => {
+                Some(profile)
+            }
+            _ => None,
+        }
+    }
+
     /// The profiles to try: the one that was asked for, or all that are tried automatically.
     pub fn profiles(&self) -> Vec<Profile> {
         let attitude = self.roles.get(&Kind::Attitude);

@@ -1,5 +1,6 @@
 //! Selecting the telemetry of a log: which profile, which vehicle, and which of the log's channels.
 
+mod conditions;
 mod fit;
 mod instead;
 mod log_search;
@@ -22,6 +23,7 @@ use crate::{
 pub use fit::Fit;
 use fit::{Specificity, specificity};
 use log_search::LogSearch;
+use namespace_search::NamespaceSearch;
 
 /// The kinds of sample that something is derived from. A position is only shown.
 const DERIVED_FROM: [Kind; 3] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity];
@@ -138,6 +140,10 @@ impl Source {
         let [Candidate { profile, fit }] = best.as_slice() else {
             return Err(ambiguity(log, &best));
         };
+        if request.own_profile().is_some() {
+            let search = log_search.search(profile, &fit.namespace);
+            search.check_conditions(fit)?;
+        }
         let runners_up = rest.into_iter().map(|candidate| RunnerUp {
             profile: (&candidate.profile.name).into(),
             attitude: Ok(candidate.fit.attitude),

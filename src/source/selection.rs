@@ -73,7 +73,7 @@ impl Selection {
             }
         }
         match is_selected {
-            true => Err(DropReason::UnknownFrame),
+            true => Err(DropReason::UnmetCondition),
             false => {
                 self.unselected += 1;
                 Ok(None)

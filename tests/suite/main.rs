@@ -106,6 +106,8 @@ mod source {
     mod frame_rules;
     // JSON fields that are null at first.
     mod json_null;
+    // `when` and `valid`.
+    mod conditions;
     // What an error says that the log has instead.
     mod instead;
     mod namespaces;

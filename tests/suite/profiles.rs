@@ -322,7 +322,7 @@ fn unusable_samples_are_dropped_and_counted() {
     let positions = Flight::new().position_times.len() as u64;
 
     let odometry = "px4-ros2: odometry in NED and in body FRD";
-    let unknown = BTreeMap::from([(DropReason::UnknownFrame, invalid)]);
+    let unknown = BTreeMap::from([(DropReason::UnmetCondition, invalid)]);
     assert_eq!(dropped(odometry, Kind::Attitude), unknown);
     assert_eq!(dropped(odometry, Kind::Velocity), unknown);
 

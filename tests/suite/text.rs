@@ -8,8 +8,11 @@ use flightcam::{
     error::*,
     sample::{DropReason, Kind, Tally},
     source::{
-        NamedFrame, Origin, Reading, RefusedFrames,
-        profile::convention::{Axes, SpeedUnit, WorldAxes},
+        FoundValue, NamedFrame, Origin, Reading, RefusedFrames, UnmetCondition,
+        profile::{
+            Test,
+            convention::{Axes, SpeedUnit, WorldAxes},
+        },
         request::BadArgument,
         undecodable::UndecodableMessage,
     },
@@ -285,6 +288,15 @@ fn no_error_says_a_name_unescaped() {
             values: vec![filter().value],
             has_more: false,
             is_missing: false,
+        }],
+        conditions: vec![UnmetCondition {
+            field: field(),
+            wanted: vec![Test::Says(NASTY.to_owned())],
+            found: vec![FoundValue {
+                value: nasty(),
+                messages: 1,
+            }],
+            others: 0,
         }],
     };
     let faults = [

@@ -2,6 +2,7 @@
 
 use flightcam::{
     report::{CameraReport, Note},
+    source::request::HowAsked,
     text,
     writer::Layout,
 };
@@ -85,15 +86,44 @@ fn on_the_samples(note: &Note) -> Option<String> {
                                   player shows the new topics apart from the others; --time says what the time of a \
                                   sample is"
             .to_owned(),
-        Note::SuspiciousAngle { topic, angle } if *angle >= 1e9 => format!(
+        Note::UnmetConditions {
+            sample,
+            topic,
+            samples,
+            conditions,
+        } => format!(
+            "{} of {topic} {} left out: {}",
+            plural(*samples, &format!("{} sample", sample.name())),
+            if *samples == 1 { "was" } else { "were" },
+            text::join(conditions, "; ")
+        ),
+        Note::SuspiciousAngle { topic, angle, .. } if *angle >= 1e9 => format!(
             "{topic} has an angle of {angle:e}, read as radians like all of its angles, which no drone turns by"
         ),
-        Note::SuspiciousAngle { topic, angle } => format!(
-            "{topic} has an angle of {angle:.1}, read as radians like all of its angles; if they are degrees, use \
-             --profile flat-deg"
+        Note::SuspiciousAngle {
+            topic,
+            angle,
+            asked,
+        } => format!(
+            "{topic} has an angle of {angle:.1}, read as radians like all of its angles; if they are degrees, {}",
+            to_read_degrees(asked)
         ),
         _ => return None,
     })
+}
+
+/// What to do where an attitude's angles are degrees, by how they were asked for.
+fn to_read_degrees(asked: &HowAsked) -> String {
+    match asked {
+        HowAsked::Argument => {
+            "put :degrees after the fields of --attitude instead of :radians".to_owned()
+        }
+        HowAsked::OwnProfile { profile } => {
+            format!("write unit = \"degrees\" for the attitude in the profile {profile}")
+        }
+        HowAsked::BuiltIn { profile } if *profile == "flat" => "use --profile flat-deg".to_owned(),
+        _ => "name them with --attitude, and put :degrees after the fields".to_owned(),
+    }
 }
 
 fn on_ros2(note: &Note) -> Option<String> {

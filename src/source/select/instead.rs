@@ -198,6 +198,7 @@ impl LogSearch<'_> {
 fn role_of(profile: &Profile, misfit: &Misfit) -> Kind {
     let named = match misfit {
         Misfit::NoMessages { topics } => topics.first(),
+        Misfit::Condition { role, .. } => return *role,
         Misfit::Messages(misfit) => Some(&misfit.topic),
         _ => None,
     };

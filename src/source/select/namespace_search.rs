@@ -159,14 +159,19 @@ impl NamespaceSearch<'_> {
 
     /// The alternatives of a role that are meant for a topic; `own` is the attitude's topic.
     fn at_topic(&self, kind: Kind, topic: &str, own: &str) -> Vec<&Alternative> {
-        let is_match = |text: &String| self.pattern(kind, text).is_match(topic);
         let alternatives = self.profile.alternatives(kind).iter();
         alternatives
-            .filter(|alternative| match alternative.location.topics.as_slice() {
-                [] => own == topic,
-                topics => topics.iter().any(is_match),
-            })
+            .filter(|alternative| self.is_at(kind, alternative, topic, own))
             .collect()
+    }
+
+    /// Whether an alternative is meant for a topic; `own` is the attitude's topic.
+    pub fn is_at(&self, kind: Kind, alternative: &Alternative, topic: &str, own: &str) -> bool {
+        let is_match = |text: &String| self.pattern(kind, text).is_match(topic);
+        match alternative.location.topics.as_slice() {
+            [] => own == topic,
+            topics => topics.iter().any(is_match),
+        }
     }
 
     /// Resolves the fields of some alternatives against every channel of a topic.
@@ -206,7 +211,7 @@ impl NamespaceSearch<'_> {
         }
     }
 
-    fn name_of<'c>(&'c self, channel: &'c Channel) -> ChannelName<'c> {
+    pub fn name_of<'c>(&'c self, channel: &'c Channel) -> ChannelName<'c> {
         ChannelName {
             topic: &channel.topic,
             schema: self.log_search.schema_name(channel),
