@@ -9,7 +9,10 @@ pub use crate::{
     log::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind},
     run::{Left, RunError},
     source::{
-        error::{Candidate, Instead, LogTopic, Misfit, PathReading, TelemetryError, TopicMisfit},
+        error::{
+            Candidate, Instead, LogTopic, Misfit, OtherTopics, PathReading, TelemetryError,
+            TopicMisfit,
+        },
         profile::{BadRole, NotAProfile, Problem as ProfileProblem, ProfileError, WrongCount},
     },
     writer::{

@@ -13,7 +13,7 @@ use crate::{
     sample::Kind,
     text::{self, Foreign},
 };
-pub use instead::{Candidate, Instead, LogTopic, PathReading};
+pub use instead::{Candidate, Instead, LogTopic, OtherTopics, PathReading};
 
 /// Why a log's telemetry is not found or is ambiguous.
 #[derive(Debug, thiserror::Error)]
@@ -22,7 +22,7 @@ pub use instead::{Candidate, Instead, LogTopic, PathReading};
 #[allow(missing_docs)]
 pub enum TelemetryError {
     #[error(
-        "{}: no usable telemetry\nlooked for:{}\n{instead}", text::path(path),
+        "{}: no usable telemetry\nlooked for:{}{instead}", text::path(path),
         tried.iter().map(|(profile, misfit)| format!("\n  {profile}: {misfit}")).collect::<String>()
     )]
     NotFound {
@@ -72,7 +72,7 @@ pub enum TelemetryError {
     },
 
     #[error(
-        "{}: there is no topic in the namespace {namespace}\n{instead}",
+        "{}: there is no topic in the namespace {namespace}{instead}",
         text::path(path)
     )]
     NoSuchNamespace {
@@ -82,7 +82,7 @@ pub enum TelemetryError {
     },
 
     #[error(
-        "{}: the given {} does not fit: {misfit}\n{instead}", text::path(path), role.name()
+        "{}: the given {} does not fit: {misfit}{instead}", text::path(path), role.name()
     )]
     RoleDoesNotFit {
         path: PathBuf,
@@ -92,7 +92,7 @@ pub enum TelemetryError {
     },
 
     #[error(
-        "{}: the profile `{profile}` does not fit: {misfit}\n{instead}",
+        "{}: the profile `{profile}` does not fit: {misfit}{instead}",
         text::path(path)
     )]
     ProfileDoesNotFit {
@@ -245,6 +245,11 @@ impl TopicMisfit {
     /// Whether its messages have what is wanted, but it is not known how to read it.
     pub(super) fn is_of_frames(&self) -> bool {
         self.cause.is_of_frames()
+    }
+
+    /// Whether its messages are not what was wanted, as opposed to what was wanted being incomplete.
+    pub(super) fn is_of_schema(&self) -> bool {
+        self.cause.is_of_schema()
     }
 
     /// Whether the fields of its messages cannot be known.

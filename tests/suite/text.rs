@@ -121,8 +121,7 @@ fn instead() -> Box<Instead> {
         readings: vec![reading()],
         role: Kind::Attitude,
         candidates: vec![candidate],
-        others: vec![topic],
-        other_count: 1,
+        others: OtherTopics::Listed(vec![topic]),
     })
 }
 

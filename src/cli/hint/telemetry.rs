@@ -4,7 +4,7 @@ use super::in_shell;
 use flightcam::{
     sample::Kind,
     source::{
-        error::{Misfit, TelemetryError},
+        error::{Misfit, OtherTopics, TelemetryError},
         request::{self, RoleArgument},
     },
 };
@@ -26,7 +26,7 @@ fn all_topics(error: &TelemetryError) -> Option<String> {
         | TelemetryError::ProfileDoesNotFit { path, instead, .. } => (path, instead),
         _ => return None,
     };
-    let is_cut = instead.others.is_empty() && instead.other_count > 0;
+    let is_cut = matches!(instead.others, OtherTopics::Counted(_));
     let log = path.to_str().and_then(in_shell);
     let log = log.unwrap_or_else(|| "LOG".to_owned());
     is_cut.then(|| format!("`flightcam inspect {log} --topics` lists all topics"))

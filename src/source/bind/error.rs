@@ -62,6 +62,11 @@ impl BindError {
         matches!(self, Self::Schema(error) if error.is_opaque())
     }
 
+    /// Whether the messages are of another type, or lack what is wanted.
+    pub fn is_of_schema(&self) -> bool {
+        matches!(self, Self::Schema(_) | Self::OtherType { .. })
+    }
+
     /// Whether it is not known in which axes the messages have what is wanted.
     pub fn is_of_frames(&self) -> bool {
         matches!(self, Self::NoAxes { .. } | Self::BrokenRule)

@@ -19,10 +19,20 @@ pub struct Instead {
     pub role: Kind,
     /// Topics whose messages could be read for the role, the likelier first, but only so many.
     pub candidates: Vec<Candidate>,
-    /// The other topics, if they are few.
-    pub others: Vec<LogTopic>,
-    /// How many other topics there are.
-    pub other_count: usize,
+    /// The other topics.
+    pub others: OtherTopics,
+}
+
+/// Topics that are neither what was meant nor candidates.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum OtherTopics {
+    /// All of them, because they are few.
+    Listed(Vec<LogTopic>),
+    /// There are so many.
+    Counted(usize),
+    /// What is wrong has nothing to do with which topics there are.
+    Beside,
 }
 
 /// A topic that has messages.
@@ -94,41 +104,45 @@ impl fmt::Display for LogTopic {
     }
 }
 
+/// Each line begins with a line break, because they follow an error.
 impl fmt::Display for Instead {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut lines = Vec::new();
         if !self.meant.is_empty() {
-            lines.push(format!("did you mean {}?", text::join(&self.meant, " or ")));
+            write!(f, "\ndid you mean {}?", text::join(&self.meant, " or "))?;
         }
         for PathReading { topic, .. } in &self.readings {
-            lines.push(format!(
-                "there is a topic {topic}, whose name needs quotes in a path:"
-            ));
+            write!(
+                f,
+                "\nthere is a topic {topic}, whose name needs quotes in a path:"
+            )?;
         }
-        lines.extend(self.readings.iter().map(|reading| format!("  {reading}")));
-        if !self.candidates.is_empty() {
-            let role = self.role.name();
-            lines.push(format!("topics whose messages could have the {role}:"));
-        }
-        for Candidate { topic, fields } in &self.candidates {
-            lines.push(format!("  {topic}: {}", text::join(fields, ", ")));
+        for reading in &self.readings {
+            write!(f, "\n  {reading}")?;
         }
         let other = if self.candidates.is_empty() {
             ""
         } else {
             "other "
         };
-        if self.others.is_empty() {
-            lines.push(match self.other_count {
-                0 if self.candidates.is_empty() => "the log has no messages".to_owned(),
-                0 => "the log has no other topics".to_owned(),
-                1 => format!("the log has one {other}topic"),
-                count => format!("the log has {count} {other}topics"),
-            });
-        } else {
-            lines.push(format!("{other}topics of the log:"));
-            lines.extend(self.others.iter().map(|topic| format!("  {topic}")));
+        if !self.candidates.is_empty() {
+            let role = self.role.name();
+            write!(f, "\ntopics whose messages could have the {role}:")?;
         }
-        f.write_str(&lines.join("\n"))
+        for Candidate { topic, fields } in &self.candidates {
+            write!(f, "\n  {topic}: {}", text::join(fields, ", "))?;
+        }
+        match &self.others {
+            OtherTopics::Listed(others) if others.is_empty() => match self.candidates.is_empty() {
+                true => f.write_str("\nthe log has no messages"),
+                false => Ok(()),
+            },
+            OtherTopics::Listed(others) => {
+                write!(f, "\n{other}topics of the log:")?;
+                others.iter().try_for_each(|topic| write!(f, "\n  {topic}"))
+            }
+            OtherTopics::Counted(1) => write!(f, "\nthe log has one {other}topic"),
+            OtherTopics::Counted(count) => write!(f, "\nthe log has {count} {other}topics"),
+            OtherTopics::Beside => Ok(()),
+        }
     }
 }

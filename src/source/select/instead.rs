@@ -11,7 +11,7 @@ use crate::{
     similar,
     source::{
         bind::{Binder, ChannelName},
-        error::{Candidate, Instead, LogTopic, Misfit, PathReading},
+        error::{Candidate, Instead, LogTopic, Misfit, OtherTopics, PathReading},
         profile::{Alternative, Profile},
         request::RoleArgument,
     },
@@ -65,6 +65,15 @@ impl LogSearch<'_> {
 
     fn instead_of(&self, role: Kind, misfit: &Misfit, looked_for: Option<&Alternative>) -> Instead {
         let meant = match misfit {
+            Misfit::Messages(misfit) if !misfit.is_of_schema() => {
+                return Instead {
+                    meant: Vec::new(),
+                    readings: Vec::new(),
+                    role,
+                    candidates: Vec::new(),
+                    others: OtherTopics::Beside,
+                };
+            }
             Misfit::NoMessages { topics } => {
                 let first = topics.first().map_or("", |topic| topic.as_str());
                 similar::topics(first, self.topics.keys().copied())
@@ -103,21 +112,18 @@ impl LogSearch<'_> {
         }
         candidates
             .sort_by(|(a, m, one), (b, n, other)| (a, m, &one.topic).cmp(&(b, n, &other.topic)));
-        let unlisted = candidates.len().saturating_sub(LISTED);
-        candidates.truncate(LISTED);
-        let other_count = others.len() + unlisted;
+        let unlisted = candidates.split_off(candidates.len().min(LISTED));
+        others.extend(unlisted.into_iter().map(|(_, _, one)| one.topic));
         others.sort();
         Instead {
             meant: meant.into_iter().map(Foreign::from).collect(),
             readings: Vec::new(),
             role,
             candidates: candidates.into_iter().map(|(_, _, one)| one).collect(),
-            others: if other_count <= LISTED {
-                others
-            } else {
-                Vec::new()
+            others: match others.len() {
+                0..=LISTED => OtherTopics::Listed(others),
+                count => OtherTopics::Counted(count),
             },
-            other_count,
         }
     }
 

@@ -30,9 +30,11 @@ fn with_condition(condition: &str) -> Request {
         topics = ["/a"]
         {condition}
         orientation.quaternion = {{ fields = "q", order = "xyzw" }}
+        convention = "frd-ned"
         [[attitude]]
         topics = ["/a"]
         orientation.quaternion = "q"
+        convention = "frd-ned"
         "#
     ))
 }
@@ -72,6 +74,7 @@ fn a_misspelt_field_is_an_error_in_every_role_and_in_one_of_several_topics() {
             [attitude]
             topics = ["/a"]
             orientation.quaternion = "q"
+            convention = "frd-ned"
             [[velocity]]
             topics = [{topics}]
             when = {{ field = "mode", is = 1 }}
@@ -106,14 +109,17 @@ fn an_alternative_for_another_version_of_the_messages_is_no_error() {
         topics = ["/a"]
         when = { field = "new_frame", is = 1 }
         orientation.quaternion = "orientation"
+        convention = "frd-ned"
         [[attitude]]
         topics = ["/a"]
         schemas = ["New"]
         valid = ["new_ok"]
         orientation.quaternion = "q"
+        convention = "frd-ned"
         [[attitude]]
         topics = ["/a"]
         orientation.quaternion = "q"
+        convention = "frd-ned"
         "#;
     let log = [twice("/a", message(json!(1)))];
     assert!(select_with(&log, &own(versions)).is_ok());
@@ -140,14 +146,17 @@ name = "mine"
 topics = ["/a"]
 when = { field = "frame", is = 1 }
 orientation.quaternion = "q"
+convention = "frd-ned"
 [[attitude]]
 topics = ["/a"]
 when = { field = "name", says = "ned" }
 orientation.quaternion = "q"
+convention = "frd-ned"
 [[attitude]]
 topics = ["/a"]
 when = { field = "flags", has_bits = 48 }
 orientation.quaternion = "q"
+convention = "frd-ned"
 "#;
 
 fn messages() -> Vec<Value> {
@@ -223,6 +232,7 @@ fn only_the_first_few_values_are_remembered() {
         topics = ["/a"]
         when = { field = "frame", is = 1 }
         orientation.quaternion = "q"
+        convention = "frd-ned"
         "#);
     let folder = Folder::with(LOG, log(&[topic("/a", messages)]));
     let log = Log::open(&folder.path(LOG)).expect("a log");

@@ -444,7 +444,7 @@ fn errors_say_in_which_line() {
             "frame = \"ned\"",
             "frame = \"ndd\"",
             16,
-            "unknown variant `ndd`",
+            "axes are three letters",
         ),
         ("frame = \"ned\"\n", "", 13, "missing field `frame`"),
         (
