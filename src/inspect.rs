@@ -333,7 +333,7 @@ impl Telemetry {
             (kind, role)
         });
         let mut telemetry = Self {
-            profile: ProfileReport::new(source, &options.telemetry.profile),
+            profile: ProfileReport::new(source, &options.telemetry),
             namespace: source.namespace().into(),
             runners_up: source.runners_up.clone(),
             camera: camera.map(CameraReport::from),

@@ -19,7 +19,11 @@ use crate::{
     log::Log,
     messages::{Encoding, EncodingChoice},
     sample::{Kind, Tallies, Tally},
-    source::{Origin, ReadAs, RefusedFrames, Source, profile::ProfileChoice},
+    source::{
+        Origin, ReadAs, RefusedFrames, Source,
+        profile::ProfileChoice,
+        request::{Request, RoleArgument},
+    },
     text::Foreign,
     transform::{Breaks, Outcome},
     writer::Layout,
@@ -117,6 +121,9 @@ pub struct ProfileReport {
     pub chosen: Chosen,
     /// Where it finds the attitude, by which profiles are chosen.
     pub attitude: Origin,
+    /// Where it finds what it was chosen by instead, if the user gave the attitude.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside: Option<Origin>,
 }
 
 /// Who chose something.
@@ -130,14 +137,22 @@ pub enum Chosen {
 }
 
 impl ProfileReport {
-    pub(crate) fn new(source: &Source, choice: &ProfileChoice) -> Self {
+    pub(crate) fn new(source: &Source, request: &Request) -> Self {
+        let by = source.chosen_by();
+        let beside = (by != source.attitude()).then(|| by.clone());
+        let is_given = matches!(
+            request.roles.get(&Kind::Attitude),
+            Some(RoleArgument::Fields(_))
+        );
         Self {
             name: (&source.profile.name).into(),
-            chosen: match choice {
+            chosen: match request.profile {
+                ProfileChoice::Automatic if is_given && beside.is_none() => Chosen::ByRequest,
                 ProfileChoice::Automatic => Chosen::Automatically,
                 ProfileChoice::Given(_) => Chosen::ByRequest,
             },
             attitude: source.attitude().clone(),
+            beside,
         }
     }
 }

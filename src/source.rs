@@ -36,7 +36,7 @@ pub use channel::{FoundValue, Id, RefusedFrames, UnmetCondition};
 use error::{Misfit, TelemetryError};
 pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
-use select::Fit;
+use select::{Fit, Specificity};
 use undecodable::UndecodableMessage;
 
 /// The telemetry of one log: which channels have it, and how to read their messages. Clones may each read some of the
@@ -48,6 +48,10 @@ pub struct Source {
     /// The other profiles that were tried, the better ones first.
     pub runners_up: Vec<RunnerUp>,
     fit: Fit,
+    /// How the profile recognises its logs.
+    specificity: Specificity,
+    /// Where it finds what it was chosen by.
+    chosen_by: Origin,
     /// What it took for its fields to be there.
     proof: Proof,
     channels: BTreeMap<u16, ChannelReader>,
@@ -83,6 +87,35 @@ impl Source {
     /// Where the attitude comes from, which every source has.
     pub fn attitude(&self) -> &Origin {
         &self.fit.attitude
+    }
+
+    /// Where the profile finds what it was chosen by: the attitude or, if the user gives that, what the profile adds.
+    pub fn chosen_by(&self) -> &Origin {
+        &self.chosen_by
+    }
+
+    /// The profile with the topics that its roles without topics were read from, where that is not the attitude's.
+    pub fn profile_as_read(&self) -> Profile {
+        let Fit {
+            namespace,
+            attitude,
+            own,
+            ..
+        } = &self.fit;
+        let mut profile = self.profile.clone();
+        if attitude.topic == *own {
+            return profile;
+        }
+        let topic = own.strip_prefix(namespace.as_str()).unwrap_or(own);
+        for kind in Kind::ALL {
+            for alternative in profile.alternatives_mut(kind) {
+                let topics = &mut alternative.location.topics;
+                if topics.is_empty() {
+                    topics.push(topic.to_owned());
+                }
+            }
+        }
+        profile
     }
 
     /// The channel with the attitude; if its topic has several, the first.

@@ -15,11 +15,19 @@ use indicatif::HumanCount;
 
 /// The profile, and why it was chosen.
 pub fn profile(profile: &ProfileReport) -> String {
-    let chosen = match profile.chosen {
-        Chosen::Automatically => "chosen because",
-        Chosen::ByRequest => "as asked for;",
-    };
-    format!("{}, {chosen} {}", profile.name, profile.attitude)
+    let ProfileReport {
+        name,
+        attitude,
+        beside,
+        ..
+    } = profile;
+    match (profile.chosen, beside) {
+        (Chosen::Automatically, Some(beside)) => {
+            format!("{name} for what was not given, chosen because {beside}")
+        }
+        (Chosen::Automatically, None) => format!("{name}, chosen because {attitude}"),
+        (Chosen::ByRequest, _) => format!("{name}, as asked for; {attitude}"),
+    }
 }
 
 /// A count of things, with the noun in the plural unless the count is one.

@@ -32,7 +32,7 @@ impl Findings<'_> {
             CameraReport::Gimbal => {}
         }
         let profile = &self.source.profile;
-        let profile_toml = toml::to_string(profile);
+        let profile_toml = toml::to_string(&self.source.profile_as_read());
         add("max_gap_s", self.options.max_gap.seconds().to_string());
         add("profile", profile.name.clone());
         add("namespace", self.source.namespace().to_owned());

@@ -119,7 +119,7 @@ impl<'a> Findings<'a> {
             not_written: missing.into_iter().map(missing_topic).collect(),
             input: log.file.path().into(),
             output,
-            profile: ProfileReport::new(&self.source, &self.options.telemetry.profile),
+            profile: ProfileReport::new(&self.source, &self.options.telemetry),
             camera: self.camera.into(),
             max_gap_s: self.options.max_gap.seconds(),
             layout: self.options.layout,

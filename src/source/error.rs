@@ -37,7 +37,12 @@ pub enum TelemetryError {
         text::path(path),
         text::join(topics, " and ")
     )]
-    SeveralTopicsFit { path: PathBuf, topics: Vec<Foreign> },
+    SeveralTopicsFit {
+        path: PathBuf,
+        /// The role for which one has to be chosen.
+        role: Kind,
+        topics: Vec<Foreign>,
+    },
 
     #[error(
         "{}: several profiles fit equally well{}", text::path(path),
@@ -45,7 +50,7 @@ pub enum TelemetryError {
     )]
     SeveralProfilesFit {
         path: PathBuf,
-        /// Each profile and the topic where it finds the attitude.
+        /// Each profile and the topic where it finds the attitude or, if that was given, what it adds to it.
         fits: Vec<(Foreign, Foreign)>,
     },
 

@@ -29,6 +29,31 @@ pub struct Request {
     pub time: Option<SampleTime>,
 }
 
+/// A profile with what was asked for in place of what it says.
+#[derive(Debug, Clone)]
+pub struct Adapted {
+    /// The profile, changed.
+    pub profile: Profile,
+    /// Where the profile itself finds the attitude, if the user gives the fields of another.
+    pub own_attitude: Option<Vec<Alternative>>,
+}
+
+impl Adapted {
+    /// Where the profile itself finds the attitude, by which it recognises its logs.
+    pub(super) fn attitude(&self) -> &[Alternative] {
+        let changed = self.profile.alternatives(Kind::Attitude);
+        self.own_attitude.as_deref().unwrap_or(changed)
+    }
+
+    /// The profile with the attitude of its own, if the user gives another.
+    pub(super) fn with_own_attitude(&self) -> Option<Profile> {
+        let own_attitude = self.own_attitude.clone()?;
+        let mut profile = self.profile.clone();
+        *profile.alternatives_mut(Kind::Attitude) = own_attitude;
+        Some(profile)
+    }
+}
+
 /// The prefix that a namespace gives to topics: `/drone1` for `drone1` and `/drone1/`, nothing for `/`.
 ///
 /// # Errors
@@ -81,16 +106,11 @@ impl Request {
     }
 
     /// The profiles to try: the one that was asked for, or all that are tried automatically.
-    pub fn profiles(&self) -> Vec<Profile> {
+    pub fn profiles(&self) -> Vec<Adapted> {
         let attitude = self.roles.get(&Kind::Attitude);
-        let mut profiles = match (&self.profile, attitude) {
-            (ProfileChoice::Given(profile), _) => vec![(**profile).clone()],
-            // If the attitude is given, nothing would be left of the built-in profiles that sets one apart from
-            // another.
-            (ProfileChoice::Automatic, Some(RoleArgument::Fields(attitude))) => {
-                vec![Profile::new("command line").with((**attitude).clone())]
-            }
-            (ProfileChoice::Automatic, _) => Profile::built_in()
+        let mut profiles = match &self.profile {
+            ProfileChoice::Given(profile) => vec![(**profile).clone()],
+            ProfileChoice::Automatic => Profile::built_in()
                 .into_iter()
                 .filter(|profile| profile.automatic)
                 .collect(),
@@ -104,8 +124,31 @@ impl Request {
                 profiles.retain(knows);
             }
         }
-        profiles.iter_mut().for_each(|profile| self.change(profile));
-        profiles
+        let profiles = profiles.into_iter();
+        profiles.map(|profile| self.adapt(profile)).collect()
+    }
+
+    /// A profile of only what was given, for a log in which no profile finds more; `None` if that lacks the attitude, or if
+    /// a profile was asked for.
+    pub fn without_profile(&self) -> Option<Adapted> {
+        match (&self.profile, self.roles.get(&Kind::Attitude)) {
+            (ProfileChoice::Automatic, Some(RoleArgument::Fields(_))) => {
+                Some(self.adapt(Profile::new("command line")))
+            }
+            _ => None,
+        }
+    }
+
+    fn adapt(&self, mut profile: Profile) -> Adapted {
+        let own_attitude = match self.roles.get(&Kind::Attitude) {
+            Some(RoleArgument::Fields(_)) => Some(profile.alternatives(Kind::Attitude).to_vec()),
+            _ => None,
+        };
+        self.change(&mut profile);
+        Adapted {
+            profile,
+            own_attitude,
+        }
     }
 
     /// Replaces what the profile says by what was asked for.

@@ -9,10 +9,10 @@ mod namespace_search;
 use std::{cmp::Reverse, collections::BTreeSet};
 
 use super::{
-    RunnerUp, Source,
-    error::{TelemetryError, Unfit},
+    Origin, RunnerUp, Source,
+    error::{Misfit, TelemetryError, Unfit},
     profile::Profile,
-    request::Request,
+    request::{Adapted, Request},
 };
 use crate::{
     decode::{FirstMessages, Proof},
@@ -21,7 +21,8 @@ use crate::{
     text::Foreign,
 };
 pub use fit::Fit;
-use fit::{Specificity, specificity};
+pub use fit::Specificity;
+use fit::specificity;
 use log_search::LogSearch;
 use namespace_search::NamespaceSearch;
 
@@ -31,28 +32,65 @@ const DERIVED_FROM: [Kind; 3] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity];
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Rank {
+    /// What it adds to the attitude, if the user gives that.
+    adds: Option<Adds>,
     /// Named topics are the vehicle's own estimate; messages that just have the right fields may be anything's.
     specificity: Specificity,
     has_velocity: bool,
 }
 
-/// A profile, and a place in the log that it fits.
-struct Candidate<'p> {
-    profile: &'p Profile,
-    fit: Fit,
+/// The most useful kind of sample that a profile adds to a given attitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Adds {
+    Position,
+    Gimbal,
+    Velocity,
 }
 
-impl Candidate<'_> {
+/// A profile, and a place in the log that it fits.
+struct Candidate<'p> {
+    adapted: &'p Adapted,
+    fit: Fit,
+    /// What it adds to the attitude, if the user gives that.
+    adds: Option<Adds>,
+}
+
+impl<'p> Candidate<'p> {
+    fn new(log_search: &LogSearch, adapted: &'p Adapted, fit: Fit) -> Self {
+        let left = log_search.left_to_profiles();
+        let adds = |kind: Kind| left.contains(&kind) && fit.role(kind).is_ok();
+        let kinds = [
+            (Kind::Velocity, Adds::Velocity),
+            (Kind::Gimbal, Adds::Gimbal),
+            (Kind::Position, Adds::Position),
+        ];
+        let most = kinds.into_iter().find(|(kind, _)| adds(*kind));
+        Self {
+            adapted,
+            adds: most
+                .filter(|_| adapted.own_attitude.is_some())
+                .map(|(_, adds)| adds),
+            fit,
+        }
+    }
+
     fn rank(&self) -> Rank {
         Rank {
-            specificity: specificity(self.profile),
+            adds: self.adds,
+            specificity: specificity(self.adapted.attitude()),
             has_velocity: self.fit.role(Kind::Velocity).is_ok(),
         }
     }
 
     /// Whether this is a vehicle, and not just a topic with the right fields.
     fn is_vehicle(&self) -> bool {
-        specificity(self.profile) == Specificity::Topic
+        specificity(self.adapted.attitude()) == Specificity::Topic
+    }
+
+    /// Where it finds what it was chosen by: the attitude or, if the user gives that, what it adds.
+    fn chosen_by(&self, log_search: &LogSearch) -> &Origin {
+        let kinds = log_search.left_to_profiles();
+        self.fit.first_of(&kinds).unwrap_or(&self.fit.attitude)
     }
 }
 
@@ -112,7 +150,7 @@ impl Source {
     fn is_confirmed_by(&self, log_search: &LogSearch) -> bool {
         let definitions = &log_search.log.contents.definitions;
         let mut channels = self.channels.keys().map(|id| &definitions.channels[id]);
-        let search = log_search.search(&self.profile, &self.fit.namespace);
+        let search = log_search.search(&self.profile, self.specificity, &self.fit.namespace);
         !channels.any(|channel| FirstMessages::tell_the_fields_of(&channel.record))
             || search.confirms(&self.fit, &DERIVED_FROM)
     }
@@ -128,32 +166,51 @@ impl Source {
         request: &Request,
         thoroughness: Thoroughness,
     ) -> Result<Self, TelemetryError> {
-        let log = log_search.log;
         log_search.check_request()?;
         let mut profiles = request.profiles();
         // The most specific come first. The sort is stable, so equals keep their order.
-        profiles.sort_by_key(|profile| Reverse(specificity(profile)));
-        let (candidates, misfits) = try_profiles(log_search, &profiles, thoroughness)?;
-        let Some((best, rest)) = choose(candidates) else {
-            return Err(none_fits(log_search, &profiles, misfits));
+        profiles.sort_by_key(|adapted| Reverse(specificity(adapted.attitude())));
+        let (mut candidates, misfits) = try_profiles(log_search, &profiles, thoroughness)?;
+        let only_given = request.without_profile();
+        if only_given.is_some() {
+            candidates.retain(|candidate| candidate.adds.is_some());
+        }
+        let (best, rest) = match (choose(candidates), &only_given) {
+            // Nothing is derived from positions, so it does not matter which are shown.
+            (Some((best, rest)), Some(_))
+                if best.len() > 1 && best[0].adds == Some(Adds::Position) =>
+            {
+                (Vec::new(), best.into_iter().chain(rest).collect())
+            }
+            (Some(chosen), _) => chosen,
+            (None, _) => (Vec::new(), Vec::new()),
         };
-        let [Candidate { profile, fit }] = best.as_slice() else {
-            return Err(ambiguity(log, &best));
+        let best = match &only_given {
+            Some(adapted) if best.is_empty() => vec![without_profile(log_search, adapted)?],
+            _ => best,
         };
+        let [Candidate { adapted, fit, .. }] = best.as_slice() else {
+            return Err(match best.is_empty() {
+                true => none_fits(log_search, &profiles, misfits),
+                false => ambiguity(log_search, &best),
+            });
+        };
+        let Adapted { profile, .. } = adapted;
+        let specificity = specificity(adapted.attitude());
+        let search = log_search.search(profile, specificity, &fit.namespace);
         if request.own_profile().is_some() {
-            let search = log_search.search(profile, &fit.namespace);
             search.check_conditions(fit)?;
         }
         let runners_up = rest.into_iter().map(|candidate| RunnerUp {
-            profile: (&candidate.profile.name).into(),
+            profile: (&candidate.adapted.profile.name).into(),
             attitude: Ok(candidate.fit.attitude),
         });
         Ok(Self {
-            channels: log_search
-                .search(profile, &fit.namespace)
-                .channels(fit, &Kind::ALL.into())?,
+            channels: search.channels(fit, &Kind::ALL.into())?,
             runners_up: runners_up.chain(misfits).collect(),
-            profile: (*profile).clone(),
+            profile: profile.clone(),
+            specificity,
+            chosen_by: best[0].chosen_by(log_search).clone(),
             fit: fit.clone(),
             proof: log_search.proof,
         })
@@ -172,7 +229,8 @@ impl Source {
         let examples = FirstMessages::new(log);
         let log_search = LogSearch::new(log, &examples, request, self.proof);
         Ok(Self {
-            channels: (log_search.search(&self.profile, &self.fit.namespace))
+            channels: log_search
+                .search(&self.profile, self.specificity, &self.fit.namespace)
                 .channels(&self.fit, kinds)?,
             ..self
         })
@@ -182,30 +240,46 @@ impl Source {
 /// Finds where the profiles fit, and which do not.
 fn try_profiles<'p>(
     log_search: &LogSearch,
-    profiles: &'p [Profile],
+    profiles: &'p [Adapted],
     thoroughness: Thoroughness,
 ) -> Result<(Vec<Candidate<'p>>, Vec<RunnerUp>), TelemetryError> {
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut misfits = Vec::new();
-    for profile in profiles {
+    for adapted in profiles {
         let could_be_best = Rank {
+            adds: (adapted.own_attitude.is_some()).then_some(Adds::Velocity),
+            specificity: specificity(adapted.attitude()),
             has_velocity: true,
-            specificity: specificity(profile),
         };
         let best = candidates.iter().map(Candidate::rank).max();
         if thoroughness == Thoroughness::UntilFound && best > Some(could_be_best) {
             break;
         }
-        match log_search.fit(profile) {
-            Ok(fits) => candidates.extend(fits.into_iter().map(|fit| Candidate { profile, fit })),
+        match log_search.fit(adapted) {
+            Ok(fits) => {
+                let fits = fits.into_iter();
+                candidates.extend(fits.map(|fit| Candidate::new(log_search, adapted, fit)));
+            }
             Err(Unfit::Misfit(misfit)) => misfits.push(RunnerUp {
-                profile: (&profile.name).into(),
+                profile: (&adapted.profile.name).into(),
                 attitude: Err(misfit),
             }),
             Err(Unfit::Hopeless(error)) => return Err(error),
         }
     }
     Ok((candidates, misfits))
+}
+
+/// Where what was given fits without a profile.
+fn without_profile<'p>(
+    log_search: &LogSearch,
+    adapted: &'p Adapted,
+) -> Result<Candidate<'p>, TelemetryError> {
+    match log_search.fit_given(&adapted.profile) {
+        Ok(fit) => Ok(Candidate::new(log_search, adapted, fit)),
+        Err(Unfit::Hopeless(error)) => Err(error),
+        Err(Unfit::Misfit(misfit)) => Err(does_not_fit(log_search, &adapted.profile, misfit)),
+    }
 }
 
 /// Separates the best candidates from the others, the better ones of those first.
@@ -224,45 +298,54 @@ fn choose(candidates: Vec<Candidate>) -> Option<(Vec<Candidate>, Vec<Candidate>)
 
 fn none_fits(
     log_search: &LogSearch,
-    profiles: &[Profile],
+    profiles: &[Adapted],
     misfits: Vec<RunnerUp>,
 ) -> TelemetryError {
-    let path = log_search.log.file.path().to_owned();
     let misfits = misfits.into_iter();
     let tried: Vec<_> = misfits
         .filter_map(|misfit| Some((misfit.profile, misfit.attitude.err()?)))
         .collect();
     match (profiles, <[_; 1]>::try_from(tried)) {
-        ([only], Ok([(profile, misfit)])) => TelemetryError::ProfileDoesNotFit {
-            path,
-            profile,
-            instead: log_search.instead_of_profile(only, &misfit).into(),
-            misfit: misfit.into(),
-        },
+        ([only], Ok([(_, misfit)])) => does_not_fit(log_search, &only.profile, misfit),
         (_, tried) => TelemetryError::NotFound {
-            path,
+            path: log_search.log.file.path().into(),
             tried: tried.map_or_else(|tried| tried, Vec::from),
             instead: log_search.instead_of_any().into(),
         },
     }
 }
 
+fn does_not_fit(log_search: &LogSearch, profile: &Profile, misfit: Misfit) -> TelemetryError {
+    TelemetryError::ProfileDoesNotFit {
+        path: log_search.log.file.path().into(),
+        profile: (&profile.name).into(),
+        instead: log_search.instead_of_profile(profile, &misfit).into(),
+        misfit: misfit.into(),
+    }
+}
+
 /// Why one of several candidates that are equally good cannot be chosen.
-fn ambiguity(log: &Log, candidates: &[Candidate]) -> TelemetryError {
-    let path = log.file.path().to_owned();
-    let of_each = |text: fn(&Candidate) -> Foreign| candidates.iter().map(text);
-    let profile = |candidate: &Candidate| Foreign::from(&candidate.profile.name);
-    let topic = |candidate: &Candidate| candidate.fit.attitude.topic.clone();
-    let namespace = |candidate: &Candidate| Foreign::from(&candidate.fit.namespace);
-    let namespaces: BTreeSet<Foreign> = of_each(namespace).collect();
-    let profiles: BTreeSet<Foreign> = of_each(profile).collect();
+fn ambiguity(log_search: &LogSearch, candidates: &[Candidate]) -> TelemetryError {
+    let path = log_search.log.file.path().to_owned();
+    let topics: Vec<Foreign> = (candidates.iter())
+        .map(|candidate| candidate.chosen_by(log_search).topic.clone())
+        .collect();
+    let profiles: Vec<Foreign> = (candidates.iter())
+        .map(|candidate| (&candidate.adapted.profile.name).into())
+        .collect();
+    let namespaces: BTreeSet<Foreign> = (candidates.iter())
+        .map(|candidate| (&candidate.fit.namespace).into())
+        .collect();
+    let role = match candidates {
+        [Candidate { adapted, .. }, ..] if adapted.own_attitude.is_some() => Kind::Velocity,
+        _ => Kind::Attitude,
+    };
     if namespaces.len() > 1 {
         TelemetryError::SeveralVehicles { path, namespaces }
-    } else if profiles.len() > 1 {
-        let fits = of_each(profile).zip(of_each(topic)).collect();
+    } else if profiles.iter().any(|other| *other != profiles[0]) {
+        let fits = profiles.into_iter().zip(topics).collect();
         TelemetryError::SeveralProfilesFit { path, fits }
     } else {
-        let topics = of_each(topic).collect();
-        TelemetryError::SeveralTopicsFit { path, topics }
+        TelemetryError::SeveralTopicsFit { path, role, topics }
     }
 }

@@ -41,7 +41,10 @@ impl StreamFilter {
     /// Makes a filter for a request.
     pub fn new(request: &Request) -> Self {
         Self {
-            profiles: request.profiles(),
+            profiles: (request.profiles().into_iter())
+                .flat_map(|adapted| [adapted.with_own_attitude(), Some(adapted.profile)])
+                .flatten()
+                .collect(),
             namespace: request.namespace.clone(),
             requested: request.roles.keys().copied().collect(),
             verdicts: HashMap::new(),

@@ -111,6 +111,8 @@ mod source {
     // What an error says that the log has instead.
     mod instead;
     mod namespaces;
+    // One role is given, the rest is the profile's.
+    mod overrides;
     // What would silently yield wrong numbers.
     mod pitfalls;
     mod profile_toml;

@@ -215,6 +215,7 @@ fn no_error_says_a_name_unescaped() {
     let single = [
         TelemetryError::SeveralTopicsFit {
             path: path(),
+            role: Kind::Attitude,
             topics: two().into(),
         },
         TelemetryError::SeveralVehicles {

@@ -42,8 +42,8 @@ fn advice(error: &TelemetryError) -> Option<String> {
                     .to_owned()
             })
         }
-        TelemetryError::SeveralTopicsFit { topics, .. } => choose_one(
-            "--attitude",
+        TelemetryError::SeveralTopicsFit { role, topics, .. } => choose_one(
+            &format!("--{}", role.name()),
             topics.iter().find_map(|topic| role_argument(topic)),
         ),
         TelemetryError::SeveralProfilesFit { fits, .. } => {

@@ -63,7 +63,7 @@ impl NamespaceSearch<'_> {
         fit: &Fit,
     ) -> Result<Option<TopicMisfit>, ReadError> {
         let mut first = None;
-        for topic in self.topics_of(kind, alternative, &fit.attitude.topic) {
+        for topic in self.topics_of(kind, alternative, &fit.own) {
             for channel in &self.log_search.topics[topic] {
                 if !alternative
                     .location

@@ -17,7 +17,7 @@ use crate::{
         error::{Misfit, TelemetryError, TopicMisfit, Unfit},
         pattern::{Pattern, is_within},
         profile::{Alternative, Profile},
-        request::{Request, RoleArgument},
+        request::{Adapted, Request, RoleArgument},
     },
     text::Foreign,
 };
@@ -110,24 +110,82 @@ impl<'a> LogSearch<'a> {
     ///
     /// # Errors
     /// It fits nowhere; the error says why.
-    pub fn fit(&self, profile: &Profile) -> Result<Vec<Fit>, Unfit> {
+    pub fn fit(&self, adapted: &Adapted) -> Result<Vec<Fit>, Unfit> {
+        let profile = &adapted.profile;
         for kind in Kind::ALL {
             for alternative in profile.alternatives(kind) {
                 self.check_path(kind, alternative)?;
             }
         }
-        match specificity(profile) {
-            Specificity::Topic => self.fit_by_topics(profile),
-            Specificity::Schema | Specificity::Fields => self.fit_by_fields(profile),
+        match (adapted.with_own_attitude(), specificity(adapted.attitude())) {
+            (None, Specificity::Topic) => self.fit_by_topics(profile),
+            (None, by_content) => self.fit_by_content(profile, by_content),
+            (Some(_), Specificity::Topic) => self.fit_by_topics(profile),
+            (Some(original), by_content) => self.fit_beside(profile, &original, by_content),
         }
     }
 
     fn fit_by_topics(&self, profile: &Profile) -> Result<Vec<Fit>, Unfit> {
         let namespaces = self.namespaces(profile);
         any_or_first_misfit(namespaces.iter().map(|namespace| {
-            let search = self.search(profile, namespace);
-            search.complete(search.attitude()?)
+            let search = self.search(profile, Specificity::Topic, namespace);
+            let attitude = search.attitude()?;
+            let own = attitude.topic.clone();
+            search.complete(attitude, &own)
         }))
+    }
+
+    /// Finds what the user gives, which is all that this profile says.
+    pub fn fit_given(&self, profile: &Profile) -> Result<Fit, Unfit> {
+        let namespace = self.namespace.unwrap_or_default();
+        let search = self.search(profile, Specificity::Fields, namespace);
+        let attitude = search.attitude()?;
+        let own = attitude.topic.clone();
+        search.complete(attitude, &own)
+    }
+
+    /// Finds what a profile that names no topics adds to an attitude that the user gives: in the same messages or, if they
+    /// have nothing, in those where the profile itself, the `original`, finds the attitude.
+    fn fit_beside(
+        &self,
+        profile: &Profile,
+        original: &Profile,
+        by_content: Specificity,
+    ) -> Result<Vec<Fit>, Unfit> {
+        let search = self.search(profile, by_content, self.namespace.unwrap_or_default());
+        let attitude = search.attitude()?;
+        let complete = |own: &str| search.complete(attitude.clone(), own);
+        let here = complete(&attitude.topic);
+        match &here {
+            Ok(fit) if !self.adds(fit) => {}
+            Err(Unfit::Misfit(_)) => {}
+            _ => return Ok(vec![here?]),
+        }
+        let mut requested = self.requested.clone();
+        requested.remove(&Kind::Attitude);
+        let by_itself = LogSearch {
+            requested: &requested,
+            topics: self.topics.clone(),
+            ..*self
+        };
+        match by_itself.fit_by_content(original, by_content) {
+            Ok(fits) => any_or_first_misfit(fits.iter().map(|fit| complete(&fit.own))),
+            Err(Unfit::Misfit(_)) => Ok(vec![here?]),
+            Err(hopeless) => Err(hopeless),
+        }
+    }
+
+    /// Whether a fit has more than what the user gives in full.
+    pub fn adds(&self, fit: &Fit) -> bool {
+        fit.first_of(&self.left_to_profiles()).is_some()
+    }
+
+    /// The kinds of sample that the user does not give in full, those first that something is derived from.
+    pub fn left_to_profiles(&self) -> Vec<Kind> {
+        let is_given =
+            |kind: &Kind| matches!(self.requested.get(kind), Some(RoleArgument::Fields(_)));
+        let kinds = [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position];
+        kinds.into_iter().filter(|kind| !is_given(kind)).collect()
     }
 
     /// The namespaces in which a profile may find its topics.
@@ -168,10 +226,14 @@ impl<'a> LogSearch<'a> {
         }
     }
 
-    /// Looks through all topics for messages that have the attitude's fields.
-    fn fit_by_fields(&self, profile: &Profile) -> Result<Vec<Fit>, Unfit> {
+    /// Looks through all topics for messages that have the attitude's type or fields.
+    fn fit_by_content(
+        &self,
+        profile: &Profile,
+        by_content: Specificity,
+    ) -> Result<Vec<Fit>, Unfit> {
         let namespace = self.namespace.unwrap_or_default();
-        let search = self.search(profile, namespace);
+        let search = self.search(profile, by_content, namespace);
         let mut attitudes = Vec::new();
         let mut misfits = Vec::new();
         for topic in (self.topics.keys()).filter(|topic| is_within(topic, namespace)) {
@@ -183,15 +245,23 @@ impl<'a> LogSearch<'a> {
         if attitudes.is_empty() {
             return Err(no_topic(profile, misfits).into());
         }
-        let attitudes = attitudes.into_iter();
-        any_or_first_misfit(attitudes.map(|attitude| search.complete(attitude)))
+        any_or_first_misfit(attitudes.into_iter().map(|attitude| {
+            let own = attitude.topic.clone();
+            search.complete(attitude, &own)
+        }))
     }
 
     /// Looks for what a profile names in one namespace.
-    pub fn search<'s>(&'s self, profile: &'s Profile, namespace: &'s str) -> NamespaceSearch<'s> {
+    pub fn search<'s>(
+        &'s self,
+        profile: &'s Profile,
+        specificity: Specificity,
+        namespace: &'s str,
+    ) -> NamespaceSearch<'s> {
         NamespaceSearch {
             log_search: self,
             profile,
+            specificity,
             namespace,
         }
     }

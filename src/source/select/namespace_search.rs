@@ -5,10 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::Channel;
 
-use super::{
-    Fit, LogSearch,
-    fit::{Specificity, specificity},
-};
+use super::{Fit, LogSearch, fit::Specificity};
 use crate::{
     log::ReadError,
     sample::Kind,
@@ -29,6 +26,8 @@ use crate::{
 pub struct NamespaceSearch<'a> {
     pub log_search: &'a LogSearch<'a>,
     pub profile: &'a Profile,
+    /// How the profile recognises its logs.
+    pub specificity: Specificity,
     pub namespace: &'a str,
 }
 
@@ -54,11 +53,11 @@ impl NamespaceSearch<'_> {
         }
     }
 
-    /// Adds to an attitude whatever else the profile finds with it.
-    pub fn complete(&self, attitude: Origin) -> Result<Fit, Unfit> {
+    /// Adds to an attitude whatever else the profile finds; roles without topics of their own on the topic `own`.
+    pub fn complete(&self, attitude: Origin, own: &str) -> Result<Fit, Unfit> {
         let mut others = BTreeMap::new();
         for kind in Kind::ALL.into_iter().filter(|&kind| kind != Kind::Attitude) {
-            let origin = match self.choose(kind, Some(&attitude.topic)) {
+            let origin = match self.choose(kind, Some(own)) {
                 Ok(origin) => Ok(origin),
                 Err(Unfit::Misfit(misfit)) if !self.needs(kind, &misfit) => Err(misfit),
                 Err(unfit) => return Err(self.as_requested(kind, unfit)),
@@ -68,6 +67,7 @@ impl NamespaceSearch<'_> {
         Ok(Fit {
             namespace: self.namespace.to_owned(),
             attitude,
+            own: own.into(),
             others,
         })
     }
@@ -108,7 +108,7 @@ impl NamespaceSearch<'_> {
         }
     }
 
-    /// Finds the first of a role's topics that has messages with the fields; `own` is the attitude's topic.
+    /// Finds the first of a role's topics that has messages with the fields; `own` is the one that roles without topics are read from.
     fn choose(&self, kind: Kind, own: Option<&str>) -> Result<Origin, Unfit> {
         let mut fault = None;
         for alternative in self.profile.alternatives(kind) {
@@ -157,7 +157,7 @@ impl NamespaceSearch<'_> {
         }
     }
 
-    /// The alternatives of a role that are meant for a topic; `own` is the attitude's topic.
+    /// The alternatives of a role that are meant for a topic; `own` is the one that roles without topics are read from.
     fn at_topic(&self, kind: Kind, topic: &str, own: &str) -> Vec<&Alternative> {
         let alternatives = self.profile.alternatives(kind).iter();
         alternatives
@@ -165,7 +165,7 @@ impl NamespaceSearch<'_> {
             .collect()
     }
 
-    /// Whether an alternative is meant for a topic; `own` is the attitude's topic.
+    /// Whether an alternative is meant for a topic; `own` is the one that roles without topics are read from.
     pub fn is_at(&self, kind: Kind, alternative: &Alternative, topic: &str, own: &str) -> bool {
         let is_match = |text: &String| self.pattern(kind, text).is_match(topic);
         match alternative.location.topics.as_slice() {
@@ -206,7 +206,7 @@ impl NamespaceSearch<'_> {
     fn said_by(&self, kind: Kind) -> SaidBy {
         match self.log_search.requested.get(&kind) {
             Some(RoleArgument::Fields(_)) => SaidBy::User,
-            _ if specificity(self.profile) == Specificity::Topic => SaidBy::RecorderProfile,
+            _ if self.specificity == Specificity::Topic => SaidBy::RecorderProfile,
             _ => SaidBy::TypeProfile,
         }
     }
@@ -234,7 +234,7 @@ impl NamespaceSearch<'_> {
     /// kinds of sample.
     pub fn confirms(&self, fit: &Fit, kinds: &[Kind]) -> bool {
         let is_same = |(kind, origin): (Kind, &Origin)| {
-            let alternatives = self.at_topic(kind, &origin.topic, &fit.attitude.topic);
+            let alternatives = self.at_topic(kind, &origin.topic, &fit.own);
             let bound = self.bind(kind, &origin.topic, &alternatives);
             bound.is_ok_and(|bound| bound == *origin)
         };
@@ -263,7 +263,7 @@ impl NamespaceSearch<'_> {
             let kinds = (roles.iter())
                 .filter(|(_, role)| role.topic == channel.topic)
                 .map(|(&kind, _)| kind);
-            let reader = match self.reader(channel, kinds, &fit.attitude.topic) {
+            let reader = match self.reader(channel, kinds, &fit.own) {
                 Ok(reader) => reader,
                 Err(error) => return Err(self.does_not_fit(channel, error)?),
             };
@@ -272,7 +272,7 @@ impl NamespaceSearch<'_> {
         Ok(channels)
     }
 
-    /// Makes a reader of a channel for some kinds of sample; `own` is the attitude's topic.
+    /// Makes a reader of a channel for some kinds of sample; `own` is the one that roles without topics are read from.
     fn reader(
         &self,
         channel: &Channel,

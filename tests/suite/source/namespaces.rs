@@ -190,5 +190,5 @@ fn a_namespace_is_not_prefixed_to_topics_that_the_user_names() {
         ("--namespace", "/drone1"),
         ("--attitude", "/drone1/mavros/imu/data.orientation:flu-enu"),
     ];
-    selects(&more, &both, ("command line", imu.1, ""));
+    selects(&more, &both, ("mavros", imu.1, VELOCITY));
 }

@@ -261,12 +261,6 @@ mod what_the_user_gives {
         for kind in [Kind::Gimbal, Kind::Position] {
             assert_eq!(source.role(kind).expect("a role").topic, "/gps");
         }
-        let angles = "/state.roll,/state.pitch,/state.yaw:radians";
-        selects(
-            &topics,
-            &[("--attitude", angles)],
-            ("command line", "/state", ""),
-        );
     }
 
     #[test]
@@ -303,7 +297,6 @@ mod what_the_user_gives {
             words,
         );
         let angles = ("--attitude", "/state.roll,/state.pitch,/state.yaw:radians");
-        let words = "only a topic was given for the velocity";
-        refuses(&topics, &[angles, ("--velocity", "/state")], words);
+        refuses(&topics, &[angles, ("--gimbal", "/state")], words);
     }
 }

@@ -88,8 +88,8 @@ fn what_the_log_does_not_have_is_refused_with_the_option_that_asked_for_it() {
             "only a topic … gimbal … /state … give --gimbal fields",
         ),
         (
-            "--velocity /state --attitude /state.roll,/state.pitch,/state.yaw:radians",
-            "only a topic … velocity … /state … give --velocity fields",
+            "--gimbal /state --attitude /state.roll,/state.pitch,/state.yaw:radians",
+            "only a topic … gimbal … /state … give --gimbal fields",
         ),
     ] {
         folder.refuses(&enrich(arguments), 1, message);
