@@ -155,6 +155,8 @@ pub use source::{
     undecodable::UndecodableMessage,
 };
 pub use text::Foreign;
-pub use transform::{Breaks, MaxGap, MaxGapOutOfRange};
+pub use transform::{
+    Breaks, MaxGap, MaxGapOutOfRange, MinInterval, MinIntervalOutOfRange, Motion, Sighting,
+};
 pub use watch::{Progress, Watch};
 pub use writer::{Layout, provenance::EarlierRun};

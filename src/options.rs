@@ -8,7 +8,7 @@ use crate::{
     messages::EncodingChoice,
     sample::Kind,
     source::{Source, request::Request},
-    transform::MaxGap,
+    transform::{MaxGap, MinInterval},
     watch::{Progress, Watch},
     writer::{
         Layout,
@@ -33,6 +33,7 @@ pub struct Options {
     pub(crate) depression: Option<DepressionAngle>,
     pub(crate) mount: Option<Mount>,
     pub(crate) max_gap: MaxGap,
+    pub(crate) min_interval: MinInterval,
     pub(crate) telemetry: Request,
     pub(crate) encoding: EncodingChoice,
     pub(crate) layout: Layout,
@@ -66,6 +67,14 @@ impl Options {
     /// The longest time between two attitude samples that still belong together; 5 s by default.
     pub fn max_gap(self, max_gap: MaxGap) -> Self {
         Self { max_gap, ..self }
+    }
+
+    /// The shortest time between two attitude samples, which thins bursts; by default nothing is left out.
+    pub fn min_interval(self, min_interval: MinInterval) -> Self {
+        Self {
+            min_interval,
+            ..self
+        }
     }
 
     /// How the log's telemetry is found; by default by the built-in profile that fits best.

@@ -25,7 +25,7 @@ use crate::{
         request::{Request, RoleArgument},
     },
     text::Foreign,
-    transform::{Breaks, Outcome},
+    transform::{Breaks, Motion, Outcome},
     writer::Layout,
 };
 pub(crate) use findings::Findings;
@@ -53,8 +53,12 @@ pub struct Report {
     /// What became of the samples of each kind that was read.
     #[serde(flatten, serialize_with = "by_kind")]
     pub samples: BTreeMap<Kind, SampleReport>,
+    /// The shortest time between two attitude samples that were used, seconds.
+    pub min_interval_s: f64,
     /// How often the chain of attitude samples broke.
     pub breaks: Breaks,
+    /// Motion that no drone makes.
+    pub motion: Motion,
     /// The topics that the result has and the log did not have.
     pub written: Vec<WrittenTopic>,
     /// The topics that could not be written.
@@ -80,6 +84,8 @@ pub struct DeriveReport {
     pub tallies: Tallies,
     /// How often the chain of attitude samples broke.
     pub breaks: Breaks,
+    /// Motion that no drone makes.
+    pub motion: Motion,
     /// In which axes and units the samples of each kind were read, and why; more than one if messages differ.
     pub read_as: BTreeMap<Kind, Vec<ReadAs>>,
     /// Whether everything in the input could be read.
@@ -91,7 +97,11 @@ pub struct DeriveReport {
 impl DeriveReport {
     /// Creates the report on a log to which other programs added `grown_by` bytes during the run.
     pub(crate) fn new(log: &Log, source: &Source, outcome: Outcome, grown_by: u64) -> Self {
-        let Outcome { tallies, breaks } = outcome;
+        let Outcome {
+            tallies,
+            breaks,
+            motion,
+        } = outcome;
         let unreadable: u64 = Kind::ALL
             .map(|kind| tallies[kind].unreadable())
             .iter()
@@ -104,6 +114,7 @@ impl DeriveReport {
         Self {
             tallies,
             breaks,
+            motion,
             read_as: Kind::ALL.map(|kind| (kind, source.read_as(kind))).into(),
             complete: log.is_readable_to_its_end() && unreadable == 0 && grown_by == 0,
             notes: notes.into_iter().flatten().collect(),

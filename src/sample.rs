@@ -217,6 +217,8 @@ pub enum DropReason {
     MarkedInvalid,
     /// An earlier sample of the same kind has the same time.
     DuplicateTime,
+    /// An attitude closer to the one before than the user wants.
+    TooClose,
     /// The drone's nose points straight up or down: the camera has no heading.
     UndefinedHeading,
     /// A velocity before the first attitude or after the last.
@@ -251,6 +253,7 @@ impl DropReason {
             DropReason::NotARotation => "not_a_rotation",
             DropReason::MarkedInvalid => "marked_invalid",
             DropReason::DuplicateTime => "duplicate_time",
+            DropReason::TooClose => "too_close",
             DropReason::UndefinedHeading => "undefined_heading",
             DropReason::OutsideAttitude => "outside_attitude",
             DropReason::InAttitudeGap => "in_attitude_gap",
@@ -288,6 +291,7 @@ impl fmt::Display for DropReason {
             DropReason::NotARotation => "with a quaternion that is not a rotation",
             DropReason::MarkedInvalid => "marked invalid by the log",
             DropReason::DuplicateTime => "at the time of an earlier sample",
+            DropReason::TooClose => "closer to the one before than the minimum interval",
             DropReason::UndefinedHeading => {
                 "with the nose straight up or down, where there is no heading"
             }

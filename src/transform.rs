@@ -10,6 +10,7 @@
 //! one before it, because across a longer gap nothing is interpolated. After that nothing can be derived from it,
 //! whether the gap ends or not, and it is dropped at once; only the reason is left open, in a count.
 
+mod motion;
 mod orientation;
 mod track;
 
@@ -27,6 +28,8 @@ use crate::{
         VelocitySample,
     },
 };
+use motion::Turn;
+pub use motion::{Motion, Sighting};
 use orientation::{Attitude, Gimbal};
 use track::{Interpolate, Track, Unavailable};
 
@@ -79,13 +82,48 @@ impl Default for MaxGap {
     }
 }
 
+/// The shortest time between two attitude samples: one that is closer to the one before is left out. None by default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct MinInterval {
+    nanoseconds: u64,
+}
+
+/// A minimum interval that is out of range, or not a number.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("a minimum interval of {0} s is out of range: it must be at least 0 and at most 1000 s")]
+pub struct MinIntervalOutOfRange(pub f64);
+
+impl MinInterval {
+    /// Creates a minimum interval from seconds, rounded to the nanosecond; 0 leaves nothing out.
+    ///
+    /// # Errors
+    /// Negative, more than 1000 seconds, or not a number.
+    pub fn from_seconds(seconds: f64) -> Result<Self, MinIntervalOutOfRange> {
+        let nanoseconds = (seconds * 1e9).round();
+        if (0.0..=1e12).contains(&nanoseconds) {
+            Ok(Self {
+                nanoseconds: nanoseconds as u64,
+            })
+        } else {
+            Err(MinIntervalOutOfRange(seconds))
+        }
+    }
+
+    /// The interval in seconds.
+    pub fn seconds(self) -> f64 {
+        self.nanoseconds as f64 / 1e9
+    }
+}
+
 /// What became of the samples that the transform was given.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outcome {
     /// The samples that were used, and those that were not.
     pub tallies: Tallies,
     /// How often the chain of attitude samples broke.
     pub breaks: Breaks,
+    /// Motion that no drone makes.
+    pub motion: Motion,
 }
 
 /// How often the chain of attitude samples broke. Each used attitude sample but the first has a relative
@@ -152,13 +190,17 @@ impl Pose {
 pub struct Transform {
     camera: Camera,
     max_gap: MaxGap,
+    min_interval: MinInterval,
     attitudes: Track<Attitude>,
+    last_attitude_time: Option<u64>,
     gimbal: Track<Gimbal>,
     last_velocity_time: Option<u64>,
     /// Attitudes and velocities that are not settled, in their order.
     held: VecDeque<Held>,
     /// The last attitude sample for which the camera is known.
     previous: Option<Pose>,
+    /// The last velocity, and its time.
+    previous_velocity: Option<(u64, Vector3<f64>)>,
     /// How many samples of the second kind were dropped because the last one of the first kind is out of reach.
     out_of_reach: BTreeMap<(Kind, Kind), u64>,
     outcome: Outcome,
@@ -170,13 +212,25 @@ impl Transform {
         Self {
             camera,
             max_gap,
+            min_interval: MinInterval::default(),
             attitudes: Track::new(max_gap),
+            last_attitude_time: None,
             gimbal: Track::new(max_gap),
             last_velocity_time: None,
             held: VecDeque::new(),
             previous: None,
+            previous_velocity: None,
             out_of_reach: BTreeMap::new(),
             outcome: Outcome::default(),
+        }
+    }
+
+    /// Leaves out attitude samples that are closer than this to the one before.
+    #[must_use]
+    pub fn thinned(self, min_interval: MinInterval) -> Self {
+        Self {
+            min_interval,
+            ..self
         }
     }
 
@@ -185,6 +239,9 @@ impl Transform {
     /// Samples that nothing is derived from for this camera are ignored and not counted: positions, and those
     /// of a gimbal that it does not follow.
     pub fn push(&mut self, sample: Sample, out: &mut Vec<Derived>) {
+        if self.is_too_close(&sample) {
+            return self.count_dropped(Kind::Attitude, DropReason::TooClose, 1);
+        }
         let is_first_at_its_time = match sample {
             Sample::Gimbal(sample) if self.camera == Camera::Gimbal => self.push_gimbal(&sample),
             Sample::Attitude(sample) => self.push_attitude(&sample),
@@ -205,6 +262,23 @@ impl Transform {
         self.settle_out_of_reach(Kind::Attitude, Attitude::OUTSIDE);
         self.settle_out_of_reach(Kind::Gimbal, Gimbal::OUTSIDE);
         self.outcome
+    }
+
+    /// Whether this is an attitude that is left out because of the one before.
+    fn is_too_close(&mut self, sample: &Sample) -> bool {
+        let Sample::Attitude(AttitudeSample { stamp, .. }) = sample else {
+            return false;
+        };
+        let last = self.last_attitude_time;
+        // One at the same time is a duplicate.
+        let since = last
+            .and_then(|last| stamp.log_time.checked_sub(last))
+            .filter(|&since| since > 0);
+        let is_too_close = since.is_some_and(|since| since < self.min_interval.nanoseconds);
+        if !is_too_close {
+            self.last_attitude_time = Some(stamp.log_time);
+        }
+        is_too_close
     }
 
     fn push_gimbal(&mut self, sample: &GimbalSample) -> bool {
@@ -275,7 +349,11 @@ impl Transform {
     fn derive(&mut self, sample: &Held, pose: Pose, out: &mut Vec<Derived>) {
         let value = match sample {
             Held::Attitude(_) => self.turn_to(pose),
-            Held::Velocity(sample) => Some(Value::CameraVelocity(pose.see(sample.velocity))),
+            Held::Velocity(sample) => {
+                let velocity = pose.see(sample.velocity);
+                self.note_velocity(pose.time, pose.r_ned_camera * velocity);
+                Some(Value::CameraVelocity(velocity))
+            }
         };
         if value.is_some_and(|value| !value.is_finite()) {
             return self.count_dropped(sample.kind(), DropReason::TooLarge, 1);
@@ -296,10 +374,26 @@ impl Transform {
             self.outcome.breaks.resets += 1;
             return None;
         }
+        self.outcome.motion.note_turn(&Turn {
+            time: pose.time,
+            interval: pose.time - previous.time,
+            q_ned_drone: [previous, pose].map(|pose| pose.attitude.q_ned_drone),
+            r_ned_camera: [previous, pose].map(|pose| pose.r_ned_camera),
+        });
         Some(Value::RelativeRpy {
             interval: pose.time - previous.time,
             rpy: relative_rpy(&previous.r_ned_camera, &pose.r_ned_camera),
         })
+    }
+
+    fn note_velocity(&mut self, time: u64, velocity_ned: Vector3<f64>) {
+        let previous = self.previous_velocity.replace((time, velocity_ned));
+        if let Some((earlier, before)) = previous
+            && self.max_gap.spans(earlier, time)
+        {
+            let change = velocity_ned - before;
+            (self.outcome.motion).note_change(time, time - earlier, &change);
+        }
     }
 
     /// Sets the reason for samples that were dropped because the last one of this kind is out of reach.

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum, builder::PossibleValue, error::ErrorKind};
 use flightcam::{
     Error, Options, Output, Report, enrich,
     messages::{Encoding, EncodingChoice},
-    transform::MaxGap,
+    transform::{MaxGap, MinInterval},
     writer::Layout,
 };
 
@@ -55,6 +55,10 @@ pub struct Arguments {
     /// The longest time between two attitude samples that still belong together
     #[arg(long, value_name = "SECONDS", value_parser = max_gap, default_value = "5", allow_negative_numbers = true)]
     max_gap: MaxGap,
+
+    /// Leave out attitude samples that are closer than this to the one before, for logs that write them in bursts
+    #[arg(long, value_name = "SECONDS", value_parser = min_interval, default_value = "0", allow_negative_numbers = true)]
+    min_interval: MinInterval,
 
     /// How the new messages are encoded
     #[arg(long, value_enum, default_value = "auto")]
@@ -158,6 +162,7 @@ impl Arguments {
             .depression(self.camera.depression)
             .mount(self.camera.mount)
             .max_gap(self.max_gap)
+            .min_interval(self.min_interval)
             .telemetry(self.telemetry.request()?)
             .encoding(self.encoding.0)
             .layout(self.layout.into()))
@@ -201,6 +206,10 @@ fn beside(log: &Path) -> PathBuf {
     let mut name = log.file_stem().unwrap_or_default().to_owned();
     name.push(".enriched.mcap");
     log.with_file_name(name)
+}
+
+fn min_interval(seconds: &str) -> Result<MinInterval, String> {
+    MinInterval::from_seconds(number(seconds)?).map_err(|error| error.to_string())
 }
 
 fn max_gap(seconds: &str) -> Result<MaxGap, String> {

@@ -1,6 +1,12 @@
 //! The report on an enriched log, as text.
 
-use flightcam::{Report, report::SampleReport, sample::Kind, text, transform::Breaks};
+use flightcam::{
+    Report,
+    report::SampleReport,
+    sample::Kind,
+    text,
+    transform::{Breaks, Motion, Sighting},
+};
 use indicatif::HumanCount;
 
 use super::{
@@ -20,6 +26,7 @@ pub fn describe(report: &Report) -> Page {
         }
         if kind == Kind::Attitude {
             describe_breaks(&mut page, report.breaks, report.max_gap_s);
+            describe_motion(&mut page, &report.motion);
         }
     }
     for topic in &report.written {
@@ -71,6 +78,48 @@ fn describe_breaks(page: &mut Page, breaks: Breaks, max_gap_s: f64) {
             format!("no rotation across {resets} of the attitude estimator"),
         );
     }
+}
+
+/// Says which motion is none of a drone.
+fn describe_motion(page: &mut Page, motion: &Motion) {
+    let degrees = f64::to_degrees;
+    let mut line =
+        |seen: Option<Sighting>, thing: &str, of: &str, largest: &dyn Fn(f64) -> String| {
+            if let Some(seen) = seen {
+                let (count, largest) = (plural(seen.count, thing), largest(seen.largest));
+                let first = seen.first as f64 / 1e9;
+                let text =
+                    format!("{count} {of}, the first at {first:.3} s in log time; {largest}");
+                page.line("", text);
+            }
+        };
+    line(
+        motion.bursts,
+        "rotation",
+        "within less than a millisecond",
+        &|turn| {
+            let turn = degrees(turn);
+            format!("the largest is {turn:.2}°; --min-interval leaves such out")
+        },
+    );
+    line(
+        motion.flips,
+        "turn",
+        "of the camera that the drone does not make",
+        &|turn| {
+            let turn = degrees(turn);
+            format!("the largest is {turn:.0}°: its nose passes the vertical")
+        },
+    );
+    line(motion.spins, "turn", "faster than 2,000 °/s", &|rate| {
+        format!("the fastest is {:.0} °/s", degrees(rate))
+    });
+    line(
+        motion.leaps,
+        "change",
+        "of the velocity faster than 100 m/s²",
+        &|acceleration| format!("the fastest is {acceleration:.0} m/s²"),
+    );
 }
 
 fn describe_samples(page: &mut Page, label: &str, samples: &SampleReport) {

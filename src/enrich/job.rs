@@ -64,7 +64,7 @@ impl<'scope> Job<'scope> {
         run: &'env Run,
     ) -> Self {
         let reader = Reader::new(log, source);
-        let transform = Transform::new(camera, options.max_gap);
+        let transform = Transform::new(camera, options.max_gap).thinned(options.min_interval);
         run.expect(reader.bytes_total());
         let (batches, taken) = mpsc::sync_channel(BATCHES);
         Self {

@@ -34,6 +34,10 @@ impl Findings<'_> {
         let profile = &self.source.profile;
         let profile_toml = toml::to_string(&self.source.profile_as_read());
         add("max_gap_s", self.options.max_gap.seconds().to_string());
+        add(
+            "min_interval_s",
+            self.options.min_interval.seconds().to_string(),
+        );
         add("profile", profile.name.clone());
         add("namespace", self.source.namespace().to_owned());
         add(

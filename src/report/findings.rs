@@ -18,7 +18,7 @@ use crate::{
     options::Options,
     sample::{Kind, Tallies, Tally},
     source::{Source, undecodable::UndecodableMessage},
-    transform::{Breaks, Outcome},
+    transform::{Breaks, Motion, Outcome},
     writer::{Layout, Written, original::Original},
 };
 
@@ -31,6 +31,7 @@ pub struct Findings<'a> {
     pub(super) samples: BTreeMap<Kind, SampleReport>,
     pub(super) camera: Camera,
     pub(super) breaks: Breaks,
+    pub(super) motion: Motion,
 }
 
 impl<'a> Findings<'a> {
@@ -56,6 +57,7 @@ impl<'a> Findings<'a> {
             samples: samples.collect(),
             camera,
             breaks: outcome.breaks,
+            motion: outcome.motion,
             source,
         }
     }
@@ -129,6 +131,8 @@ impl<'a> Findings<'a> {
             encoding: self.encoding,
             samples: self.samples,
             breaks: self.breaks,
+            motion: self.motion,
+            min_interval_s: self.options.min_interval.seconds(),
         }
     }
 

@@ -130,6 +130,8 @@ mod source {
 mod transform {
     mod attitude_and_velocity;
     mod gimbal;
+    // What no drone does.
+    mod motion;
     // Against a model that sees all samples at once.
     mod reference_model;
 }

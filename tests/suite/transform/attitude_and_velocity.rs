@@ -438,7 +438,9 @@ proptest! {
     #[test]
     fn every_sample_is_accounted_for(samples in any_stream(), depression in -89.0..=90.0) {
         let Run { derived, outcome } = run_at_depression(depression, &samples);
-        let Outcome { tallies, breaks } = outcome;
+        let Outcome {
+            tallies, breaks, ..
+        } = outcome;
         let (attitude, velocity) = (&tallies[Kind::Attitude], &tallies[Kind::Velocity]);
         let pushed = |kind| samples.iter().filter(|sample| sample.kind() == kind).count() as u64;
         let made = |quantity| derived.iter().filter(|d| d.quantity() == quantity).count() as u64;

@@ -67,6 +67,8 @@ fn the_json_report_has_every_number() {
         "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
         "gimbal": null,
         "max_gap_s": 5.0,
+        "min_interval_s": 0.0,
+        "motion": {},
         "attitude": attitude,
         "velocity": velocity,
         "breaks": { "gaps": 0, "resets": 0 },
