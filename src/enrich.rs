@@ -13,6 +13,7 @@
 mod background;
 mod held_back;
 mod job;
+mod judge;
 mod log_sink;
 mod plan;
 mod stream;
@@ -30,6 +31,7 @@ use crate::{
     writer::original::Original,
 };
 use job::{Derivation, Job};
+use judge::judge;
 use plan::Plan;
 use target::Target;
 
@@ -126,8 +128,8 @@ fn write(
         let derivation = sink.take(&first).and_then(|()| job.feed(&mut sink));
         match derivation {
             Ok(derivation) => {
-                if let Err(error) = derivation.source.check_sources(&original.log) {
-                    return Err(sink.give_up(error.into()));
+                if let Err(error) = judge(&derivation, &original.log, options) {
+                    return Err(sink.give_up(error));
                 }
                 let findings = findings(derivation);
                 let (written, grown_by) = sink.finish(findings.facts())?;
@@ -168,7 +170,7 @@ pub fn derive<'a>(
                 }
             }
             let derivation = job.finish()?;
-            derivation.source.check_sources(&log)?;
+            judge(&derivation, &log, options)?;
             let (source, outcome) = derivation.outcome();
             let grown_by = log.file.grown_by()?;
             Ok(Some(DeriveReport::new(&log, &source, outcome, grown_by)))

@@ -34,6 +34,7 @@ pub struct Options {
     pub(crate) mount: Option<Mount>,
     pub(crate) max_gap: MaxGap,
     pub(crate) min_interval: MinInterval,
+    pub(crate) trust: bool,
     pub(crate) telemetry: Request,
     pub(crate) encoding: EncodingChoice,
     pub(crate) layout: Layout,
@@ -75,6 +76,12 @@ impl Options {
             min_interval,
             ..self
         }
+    }
+
+    /// Whether to go on although it is certain from the log's own numbers that it was read wrongly; by default that is an
+    /// error.
+    pub fn trust(self, trust: bool) -> Self {
+        Self { trust, ..self }
     }
 
     /// How the log's telemetry is found; by default by the built-in profile that fits best.

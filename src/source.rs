@@ -31,11 +31,12 @@ use crate::{
     sample::{DropReason, Kind, Sample},
     text::{self, Foreign},
 };
-use channel::{ChannelReader, LargestAngles, UnmetTracker};
-pub use channel::{FoundValue, Id, RefusedFrames, UnmetCondition};
+use channel::{ChannelReader, UnmetTracker};
+pub use channel::{FoundValue, Id, OversizedAngle, RefusedFrames, UnmetCondition};
 use error::{Misfit, TelemetryError};
 pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
+use request::Request;
 use select::{Fit, Specificity};
 use undecodable::UndecodableMessage;
 
@@ -205,10 +206,7 @@ impl Source {
             None => Ok(()),
             Some(mixed) => Err(TelemetryError::SeveralSources {
                 path: log.file.path().into(),
-                topic: self
-                    .role(mixed.kind)
-                    .map(|origin| origin.topic.clone())
-                    .unwrap_or_default(),
+                topic: self.topic_of(mixed.kind),
                 role: mixed.kind,
                 field: mixed.field,
                 ids: mixed.ids,
@@ -257,14 +255,38 @@ impl Source {
         (samples, trackers().flat_map(UnmetTracker::unmet).collect())
     }
 
-    /// An angle of the attitude that was read as radians and is too large to be, once all messages have been read.
-    pub fn suspicious_angle(&self) -> Option<f64> {
-        let angles = self.channels.values().map(ChannelReader::largest_angles);
-        let largest = angles.fold(LargestAngles::default(), LargestAngles::max);
-        // A little more than a quarter and a full turn, for filters that overshoot.
-        let limits = [(largest.pitch, 1.6), (largest.roll_or_yaw, 6.3)];
-        let (angle, _) = limits.into_iter().find(|(angle, limit)| angle > limit)?;
-        Some(angle)
+    /// An angle that is larger than its unit allows, as far as messages have been read, and what it is of. One that is
+    /// certainly wrong comes first.
+    pub fn oversized_angle(&self) -> Option<(Kind, OversizedAngle)> {
+        let channels = self.channels.values();
+        let angles = channels.flat_map(ChannelReader::oversized_angles);
+        angles.max_by_key(|(_, angle)| angle.is_certain)
+    }
+
+    /// Checks that angles can be of the units in which they were read, as far as messages have been read.
+    ///
+    /// # Errors
+    /// One is certainly not.
+    pub fn check_angles(&self, log: &Log, request: &Request) -> Result<(), TelemetryError> {
+        match self.oversized_angle() {
+            Some((role, found)) if found.is_certain => Err(TelemetryError::ImpossibleAngle {
+                path: log.file.path().into(),
+                role,
+                topic: self.topic_of(role),
+                angle: found.angle,
+                unit: found.unit,
+                asked: request.how_asked(role, &self.profile),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The topic that samples of a kind come from; empty if there are none.
+    pub fn topic_of(&self, kind: Kind) -> Foreign {
+        let origin = self.role(kind);
+        origin
+            .map(|origin| origin.topic.clone())
+            .unwrap_or_default()
     }
 }
 

@@ -72,6 +72,10 @@ pub struct Arguments {
     #[arg(long)]
     force: bool,
 
+    /// Go on although the log's own numbers show that it was read wrongly
+    #[arg(long)]
+    trust: bool,
+
     /// Print only errors, no report and no progress
     #[arg(short, long)]
     quiet: bool,
@@ -163,6 +167,7 @@ impl Arguments {
             .mount(self.camera.mount)
             .max_gap(self.max_gap)
             .min_interval(self.min_interval)
+            .trust(self.trust)
             .telemetry(self.telemetry.request()?)
             .encoding(self.encoding.0)
             .layout(self.layout.into()))

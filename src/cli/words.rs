@@ -1,10 +1,12 @@
 //! The library's reports, which are data, in words for the terminal.
 
+mod angles;
 mod camera;
 mod frames;
 mod note;
 mod sample;
 
+pub use angles::other_unit;
 pub use camera::camera;
 pub use frames::{read_as, refused_frames};
 pub use note::note;

@@ -10,6 +10,7 @@ use crate::{
     sample::Kind,
     source::{
         Source, UnmetCondition,
+        profile::convention::AngleUnit,
         request::{HowAsked, Request},
         undecodable::UndecodableMessage,
     },
@@ -81,12 +82,16 @@ pub enum Note {
     },
     /// The samples have times before the log's first message or after its last.
     TimesOutsideLog,
-    /// Angles were read as radians, and one is larger than an angle in radians can be.
+    /// An angle is larger than one of the unit in which it was read usually is.
     SuspiciousAngle {
-        /// Where they are.
+        /// What it is of.
+        sample: Kind,
+        /// Where it is.
         topic: Foreign,
         /// The largest.
         angle: f64,
+        /// The unit.
+        unit: AngleUnit,
         /// How the user asked for these angles.
         asked: HowAsked,
     },
@@ -138,15 +143,15 @@ impl Note {
         (added_bytes > 0).then_some(Self::Grew { added_bytes })
     }
 
-    /// A note for telemetry whose angles are too large for radians, once all messages have been read.
+    /// A note for telemetry whose angles are too large for their unit, once all messages have been read.
     pub(crate) fn on_suspicious_angle(source: &Source, request: &Request) -> Option<Self> {
-        let angle = source.suspicious_angle()?;
-        let topic = source.attitude().topic.clone();
-        let asked = request.how_asked(Kind::Attitude, &source.profile);
+        let (sample, found) = source.oversized_angle()?;
         Some(Self::SuspiciousAngle {
-            topic,
-            angle,
-            asked,
+            sample,
+            topic: source.topic_of(sample),
+            angle: found.angle,
+            unit: found.unit,
+            asked: request.how_asked(sample, &source.profile),
         })
     }
 

@@ -1,5 +1,6 @@
 //! One channel of telemetry: its messages → samples.
 
+mod angles;
 mod frames;
 mod ids;
 mod unmet;
@@ -8,6 +9,8 @@ use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use angles::AngleWatch;
+pub use angles::OversizedAngle;
 pub use frames::RefusedFrames;
 use frames::{Conversion, FrameTracker};
 pub use ids::Id;
@@ -18,8 +21,7 @@ use super::{
     bind::{BindError, BoundRole, Reading, Slot, TimeSlots},
     frames::taken::ReadAs,
     profile::{
-        AttitudeFields, Components, Condition, Coordinates, Euler, Orientation, Pitch, RoleFields,
-        SampleTime, Test, convention::AngleUnit,
+        Components, Condition, Coordinates, Euler, Orientation, Pitch, RoleFields, SampleTime, Test,
     },
     selection::Selection,
 };
@@ -52,7 +54,6 @@ pub struct ChannelReader {
     roles: Arc<[BoundRole]>,
     /// What was found in the messages, by role.
     found: Vec<FoundInRole>,
-    largest: LargestAngles,
     /// The earliest message that could not be decoded: its log time, and what is wrong with it.
     undecodable: Option<(u64, Fault)>,
 }
@@ -64,6 +65,8 @@ struct FoundInRole {
     selection: Selection,
     /// The frames of each reading.
     frames: Vec<FrameTracker>,
+    /// The angles of each reading.
+    angles: Vec<AngleWatch>,
     ids: SeenIds,
     /// What the conditions left out.
     unmet: UnmetTracker,
@@ -80,23 +83,6 @@ pub struct MixedSources {
     pub ids: Vec<Id>,
 }
 
-/// The largest of the attitude's Euler angles that were read as radians; 0 if there were none.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct LargestAngles {
-    pub pitch: f64,
-    pub roll_or_yaw: f64,
-}
-
-impl LargestAngles {
-    /// The larger of each angle.
-    pub fn max(self, other: Self) -> Self {
-        Self {
-            pitch: self.pitch.max(other.pitch),
-            roll_or_yaw: self.roll_or_yaw.max(other.roll_or_yaw),
-        }
-    }
-}
-
 impl ChannelReader {
     /// Reads samples for roles that were bound to the channel's schema, whose fields are `wanted`.
     pub fn new(
@@ -108,6 +94,7 @@ impl ChannelReader {
         let found = roles.iter().map(|role| FoundInRole {
             selection: Selection::new(role, &slots),
             frames: vec![FrameTracker::default(); role.readings.len()],
+            angles: vec![AngleWatch::default(); role.readings.len()],
             ids: SeenIds::default(),
             unmet: UnmetTracker::new(role, wanted),
         });
@@ -116,7 +103,6 @@ impl ChannelReader {
             decoder: Arc::new(decoder),
             slots,
             roles: roles.into(),
-            largest: LargestAngles::default(),
             undecodable: None,
         })
     }
@@ -141,7 +127,7 @@ impl ChannelReader {
                     let conversion = found.frames[place].conversion(&reading.frames, values);
                     conversion.and_then(|conversion| {
                         found.ids.note(&role.ids, values);
-                        self.largest = self.largest.max(largest_angles(&reading.fields, values));
+                        note_angles(reading, message, values, &mut found.angles[place]);
                         reading.sample(message, values, conversion)
                     })
                 }
@@ -208,13 +194,15 @@ impl ChannelReader {
 
     /// Merges what a clone has learnt from the messages that it read.
     pub fn merge(&mut self, clone: &Self) {
-        self.largest = self.largest.max(clone.largest);
         for (found, more) in self.found.iter_mut().zip(&clone.found) {
             found.selection.merge(&more.selection);
             found.ids.merge(&more.ids);
             found.unmet.merge(&more.unmet);
             for (frames, more) in found.frames.iter_mut().zip(&more.frames) {
                 frames.merge(more);
+            }
+            for (angles, more) in found.angles.iter_mut().zip(&more.angles) {
+                angles.merge(more);
             }
         }
         let both = self
@@ -264,9 +252,16 @@ impl ChannelReader {
         self.found.get(place).map(|found| &found.unmet)
     }
 
-    /// The largest Euler angles that were read as radians.
-    pub fn largest_angles(&self) -> LargestAngles {
-        self.largest
+    /// Angles that are too large for their units, with the kinds of sample that they are of.
+    pub fn oversized_angles(&self) -> impl Iterator<Item = (Kind, OversizedAngle)> {
+        let of_roles = self.roles.iter().zip(&self.found);
+        of_roles.flat_map(|(role, found)| {
+            let of_readings = role.readings.iter().zip(&found.angles);
+            of_readings.filter_map(|(reading, angles)| {
+                let unit = reading.fields.angle_unit()?;
+                Some((role.kind, angles.oversized(unit)?))
+            })
+        })
     }
 }
 
@@ -484,20 +479,30 @@ fn exact(values: &[FieldValue], slot: Slot) -> Result<Number, DropReason> {
     values[slot].exact().ok_or(DropReason::MissingField)
 }
 
-fn largest_angles(fields: &RoleFields<Slot>, values: &[FieldValue]) -> LargestAngles {
-    if let RoleFields::Attitude(AttitudeFields {
-        orientation: Orientation::Euler(euler),
-        ..
-    }) = fields
-        && euler.unit == AngleUnit::Radians
-        && let Ok([roll, pitch, yaw]) = euler.angles(values)
-    {
-        return LargestAngles {
-            pitch: pitch.abs(),
-            roll_or_yaw: roll.abs().max(yaw.abs()),
-        };
+fn note_angles(
+    reading: &Reading,
+    message: &RawMessage,
+    values: &[FieldValue],
+    angles: &mut AngleWatch,
+) {
+    let orientation = match &reading.fields {
+        RoleFields::Attitude(attitude) => &attitude.orientation,
+        RoleFields::Gimbal(gimbal) => &gimbal.orientation,
+        RoleFields::Velocity(_) | RoleFields::Position(_) => return,
+    };
+    match orientation {
+        Orientation::Euler(euler) => {
+            if let Ok(read) = euler.angles(values) {
+                angles.note(message.log_time, read, euler.unit);
+            }
+        }
+        Orientation::Pitch(pitch) => {
+            if let Some(read) = values[pitch.field].number() {
+                angles.note_pitch(read, pitch.unit);
+            }
+        }
+        Orientation::Quaternion(_) => {}
     }
-    LargestAngles::default()
 }
 
 impl From<Undecodable> for DropReason {

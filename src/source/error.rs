@@ -6,7 +6,7 @@ use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
 
 use serde::{Serialize, Serializer};
 
-use super::{Id, bind::BindError};
+use super::{Id, bind::BindError, profile::convention::AngleUnit, request::HowAsked};
 use crate::{
     decode::{error::quote, path::FieldPath},
     log::ReadError,
@@ -108,6 +108,20 @@ pub enum TelemetryError {
     },
 
     #[error(
+        "{}: {topic} has an angle of {}, which cannot be {}, as which the {}'s angles were read", text::path(path),
+        round(*angle), unit.name(), role.name()
+    )]
+    ImpossibleAngle {
+        path: PathBuf,
+        role: Kind,
+        topic: Foreign,
+        angle: f64,
+        /// The unit as which it was read.
+        unit: AngleUnit,
+        asked: HowAsked,
+    },
+
+    #[error(
         "{}: several sources write to {topic}: its `{field}` is {}",
         text::path(path),
         text::join(ids, " or ")
@@ -125,6 +139,14 @@ pub enum TelemetryError {
     /// The log cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
+}
+
+/// A large number with its leading digits.
+fn round(number: f64) -> String {
+    match number < 1e9 {
+        true => format!("{number:.1}"),
+        false => format!("{number:e}"),
+    }
 }
 
 impl TelemetryError {

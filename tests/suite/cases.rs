@@ -75,3 +75,60 @@ fn a_gimbal_whose_joints_are_yaw_roll_pitch() {
         "gimbal-yaw-roll-pitch.csv",
     );
 }
+
+/// A logger that writes degrees.
+#[test]
+fn degrees_read_as_radians() {
+    let words = "cannot be radians … if they are degrees, use --profile flat-deg";
+    refuses("degrees-read-as-radians", "--depression 30", words);
+    let angles = "--depression 30 --attitude /telemetry.roll,/telemetry.pitch,/telemetry.yaw";
+    let words =
+        "cannot be radians … if they are degrees, put :degrees after the fields of --attitude";
+    refuses(
+        "degrees-read-as-radians",
+        &format!("{angles}:radians"),
+        words,
+    );
+    for arguments in [
+        "--depression 30 --profile flat-deg",
+        &format!("{angles}:degrees"),
+    ] {
+        gives("degrees-read-as-radians", arguments, "flight.csv");
+    }
+}
+
+/// A Python logger's JSON (https://github.com/RobotWebTools/rosbridge_suite/issues/916).
+#[test]
+fn nan_in_a_field_that_nobody_needs() {
+    gives("json-nan-elsewhere", "--depression 30", "flight.csv");
+}
+
+/// A user who means the topic with the dot.
+#[test]
+fn a_dotted_topic_beside_one_without_the_dot() {
+    let arguments = |topic: &str| {
+        format!(
+            "--depression 30 --attitude {topic}.roll,{topic}.pitch,{topic}.yaw:radians \
+             --velocity \"/fc.state\".vx,\"/fc.state\".vy,\"/fc.state\".vz:ned"
+        )
+    };
+    let words = "\"/fc\".state.roll … \"/fc.state\".roll";
+    refuses("dotted-topic-shadow", &arguments("/fc.state"), words);
+    gives(
+        "dotted-topic-shadow",
+        &arguments("\"/fc.state\""),
+        "flight.csv",
+    );
+}
+
+/// Users who record nothing but transforms (https://github.com/MichaelGrupp/evo/issues/221).
+#[test]
+fn transforms_in_lists_whose_order_changes() {
+    let path = |element: &str| {
+        format!("--depression 30 --attitude /tf.transforms{element}.transform.rotation:flu-enu")
+    };
+    let named = path("[:]{child_frame_id==\"base_link\"}");
+    gives("tf-is-all-there-is", &named, "tf-is-all-there-is.csv");
+    let words = "several sources write to /tf: its `transforms[0].child_frame_id` is";
+    refuses("tf-is-all-there-is", &path("[0]"), words);
+}

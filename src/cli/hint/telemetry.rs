@@ -1,6 +1,6 @@
 //! Hints for a log whose telemetry is not found or is ambiguous.
 
-use super::in_shell;
+use super::{super::words::other_unit, in_shell};
 use flightcam::{
     sample::Kind,
     source::{
@@ -53,6 +53,12 @@ fn advice(error: &TelemetryError) -> Option<String> {
         TelemetryError::SeveralVehicles { namespaces, .. } => choose_one(
             "--namespace",
             (namespaces.iter()).find_map(|namespace| namespace_argument(namespace)),
+        ),
+        TelemetryError::ImpossibleAngle {
+            role, unit, asked, ..
+        } => format!(
+            "{}; --trust goes on regardless",
+            other_unit(*role, *unit, asked)
         ),
         TelemetryError::SeveralSources {
             role,

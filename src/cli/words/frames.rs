@@ -4,7 +4,7 @@ use flightcam::{
     sample::GimbalReference,
     source::{
         Because, NamedFrame, ReadAs, Reading, RefusedFrames,
-        profile::convention::{AngleUnit, EulerOrder, LengthUnit, SpeedUnit},
+        profile::convention::{EulerOrder, LengthUnit, SpeedUnit},
     },
     text,
 };
@@ -65,7 +65,7 @@ fn reading(reading: Reading) -> String {
             };
             format!(
                 "roll, pitch, yaw in {}{turned}, in {axes}{}",
-                angle(unit),
+                unit.name(),
                 from(reference)
             )
         }
@@ -77,7 +77,7 @@ fn reading(reading: Reading) -> String {
             let positive = if is_positive_down { "down" } else { "up" };
             format!(
                 "pitch in {}, positive {positive}{}",
-                angle(unit),
+                unit.name(),
                 from(Some(reference))
             )
         }
@@ -88,7 +88,7 @@ fn reading(reading: Reading) -> String {
             altitude_unit,
         } => format!(
             "latitude and longitude in {}, altitude in {}",
-            angle(unit),
+            unit.name(),
             length(altitude_unit)
         ),
         other => format!("{other:?}"),
@@ -101,15 +101,6 @@ fn from(reference: Option<GimbalReference>) -> &'static str {
         Some(GimbalReference::Earth) => ", from the horizon and north",
         Some(GimbalReference::Heading) => ", from the horizon and the drone's heading",
         Some(GimbalReference::Airframe) => ", from the airframe",
-    }
-}
-
-fn angle(unit: AngleUnit) -> &'static str {
-    match unit {
-        AngleUnit::Radians => "radians",
-        AngleUnit::Degrees => "degrees",
-        AngleUnit::Centidegrees => "hundredths of a degree",
-        AngleUnit::DegE7 => "1e-7 degrees",
     }
 }
 

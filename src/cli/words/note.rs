@@ -2,12 +2,11 @@
 
 use flightcam::{
     report::{CameraReport, Note},
-    source::request::HowAsked,
     text,
     writer::Layout,
 };
 
-use super::plural;
+use super::{other_unit, plural};
 
 pub fn note(note: &Note) -> String {
     on_the_log(note)
@@ -97,33 +96,23 @@ fn on_the_samples(note: &Note) -> Option<String> {
             if *samples == 1 { "was" } else { "were" },
             text::join(conditions, "; ")
         ),
-        Note::SuspiciousAngle { topic, angle, .. } if *angle >= 1e9 => format!(
-            "{topic} has an angle of {angle:e}, read as radians like all of its angles, which no drone turns by"
+        Note::SuspiciousAngle { topic, angle, unit, .. } if *angle >= 1e9 => format!(
+            "{topic} has an angle of {angle:e}, read as {} like all of its angles, which no drone turns by",
+            unit.name()
         ),
         Note::SuspiciousAngle {
+            sample,
             topic,
             angle,
+            unit,
             asked,
         } => format!(
-            "{topic} has an angle of {angle:.1}, read as radians like all of its angles; if they are degrees, {}",
-            to_read_degrees(asked)
+            "{topic} has an angle of {angle:.1}, read as {} like all of its angles; {}",
+            unit.name(),
+            other_unit(*sample, *unit, asked)
         ),
         _ => return None,
     })
-}
-
-/// What to do where an attitude's angles are degrees, by how they were asked for.
-fn to_read_degrees(asked: &HowAsked) -> String {
-    match asked {
-        HowAsked::Argument => {
-            "put :degrees after the fields of --attitude instead of :radians".to_owned()
-        }
-        HowAsked::OwnProfile { profile } => {
-            format!("write unit = \"degrees\" for the attitude in the profile {profile}")
-        }
-        HowAsked::BuiltIn { profile } if *profile == "flat" => "use --profile flat-deg".to_owned(),
-        _ => "name them with --attitude, and put :degrees after the fields".to_owned(),
-    }
 }
 
 fn on_ros2(note: &Note) -> Option<String> {

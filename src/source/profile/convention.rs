@@ -29,17 +29,34 @@ impl AngleUnit {
     /// would turn it elsewhere.
     pub fn to_radians(self, angle: f64) -> f64 {
         const VERY_MANY: f64 = 1000.0;
-        let turn = match self {
-            Self::Radians => return angle,
-            Self::Degrees => 360.0,
-            Self::Centidegrees => 360e2,
-            Self::DegE7 => 360e7,
-        };
-        let angle = match angle.abs() > VERY_MANY * turn {
-            true => angle % turn,
+        if self == Self::Radians {
+            return angle;
+        }
+        let angle = match angle.abs() > VERY_MANY * self.turn() {
+            true => angle % self.turn(),
             false => angle,
         };
         self.to_degrees(angle).to_radians()
+    }
+
+    /// The name that reports use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Radians => "radians",
+            Self::Degrees => "degrees",
+            Self::Centidegrees => "hundredths of a degree",
+            Self::DegE7 => "1e-7 degrees",
+        }
+    }
+
+    /// A whole turn.
+    pub fn turn(self) -> f64 {
+        match self {
+            Self::Radians => std::f64::consts::TAU,
+            Self::Degrees => 360.0,
+            Self::Centidegrees => 360e2,
+            Self::DegE7 => 360e7,
+        }
     }
 
     /// An angle of this unit in degrees.

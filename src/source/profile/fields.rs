@@ -207,6 +207,20 @@ impl<F> RoleFields<F> {
         }
     }
 
+    /// The unit of the angles of an orientation, if it is made of angles.
+    pub fn angle_unit(&self) -> Option<AngleUnit> {
+        let orientation = match self {
+            Self::Attitude(attitude) => &attitude.orientation,
+            Self::Gimbal(gimbal) => &gimbal.orientation,
+            Self::Velocity(_) | Self::Position(_) => return None,
+        };
+        match orientation {
+            Orientation::Quaternion(_) => None,
+            Orientation::Euler(euler) => Some(euler.unit),
+            Orientation::Pitch(pitch) => Some(pitch.unit),
+        }
+    }
+
     /// Whether a profile fits only a log that has these.
     pub(in crate::source) fn is_required(&self) -> bool {
         matches!(self, Self::Velocity(velocity) if velocity.required)

@@ -234,19 +234,20 @@ fn invalid_samples_and_underivable_topics_are_explained() {
 }
 
 #[test]
-fn suspicious_angles_and_truncation_are_noted() {
+fn an_angle_that_cannot_be_is_why_enrich_would_fail() {
     let degrees = log(&[topic("/state", states(50, std::f64::consts::PI / 180.0))]);
     let folder = Folder::with(LOG, degrees);
-    let note = "if they are degrees, use --profile flat-deg";
-    assert_reads(&prints(&folder, "", 0), &format!("Note … {note}"));
-    let report = &reports(&folder, "", 0)["notes"][0];
-    assert_eq!(report["kind"], "suspicious_angle");
-    assert_eq!(report["topic"], "/state");
+    let problem = "enrich would fail: … /state has an angle of … which cannot be radians … use --profile flat-deg";
+    assert_reads(&prints(&folder, "", 1), problem);
+    let report = reports(&folder, "--profile flat-deg", 0);
     assert_eq!(
-        reports(&folder, "--profile flat-deg", 0)["notes"],
-        json!([])
+        (&report["notes"], &report["problem"]),
+        (&json!([]), &Value::Null)
     );
+}
 
+#[test]
+fn truncation_is_noted() {
     let whole = fs::read(repository("fixtures/survey_flight.mcap")).unwrap();
     let folder = Folder::with(LOG, &whole[..whole.len() * 6 / 10]);
     assert_reads(

@@ -1,6 +1,6 @@
 //! Numbers of any size: what is written is finite and right, and what cannot be is dropped and counted.
 
-use std::fs;
+use std::{fs, ops::ControlFlow};
 
 use flightcam::{
     Options,
@@ -73,7 +73,8 @@ fn profile(angles: &str, speeds: &str, axes: &str) -> String {
 fn written(log: Logbook, options: &Options) -> Option<(Vec<DerivedMessage>, Report)> {
     let (folder, input) = log.finish();
     let output = folder.path().join("result.mcap");
-    let report = match enrich(&input, &output, options) {
+    let trusting = options.clone().trust(true);
+    let report = match enrich(&input, &output, &trusting) {
         Ok(report) => report,
         Err(error) => {
             assert_reads(&error.to_string(), "nothing can be derived");
@@ -202,16 +203,23 @@ fn an_angle_of_very_many_turns_points_where_it_points_without_them() {
 }
 
 #[test]
-fn an_angle_of_any_size_is_used_and_said_to_be_suspicious() {
+fn an_angle_of_any_size_is_used_if_it_is_to_be_trusted_and_said_to_be_suspicious() {
     let states = [0.0, 1.0, 1e300, -f64::MAX].map(|yaw| state([0.0, 0.0, yaw], [1.0; 3]));
     for unit in ["radians", "degrees", "centidegrees", "degE7"] {
         let options = options().telemetry(request(&profile(unit, "m/s", "ned")));
+        let (_folder, input) = log_of(&states, "double").finish();
+        let error = flightcam::derive(&input, &options, |_| ControlFlow::Continue(()));
+        let error = error.expect_err("it cannot be").to_string();
+        assert_reads(
+            &error,
+            "an angle of 1.7976931348623157e308, which cannot be",
+        );
         let (_, report) = written(log_of(&states, "double"), &options).expect("a result");
         assert_eq!(report.samples[&Kind::Attitude].tally.used, 4);
     }
     let (_folder, input) = log_of(&states, "double").finish();
     let folder = Folder::with(LOG, fs::read(input).expect("the log"));
-    let printed = folder.writes(RESULT, &format!("enrich {LOG} --depression 30"), 0);
+    let printed = folder.writes(RESULT, &format!("enrich {LOG} --depression 30 --trust"), 0);
     assert_reads(
         &printed,
         "has an angle of 1.7976931348623157e308, read as radians",
