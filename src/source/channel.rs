@@ -493,12 +493,12 @@ fn note_angles(
     match orientation {
         Orientation::Euler(euler) => {
             if let Ok(read) = euler.angles(values) {
-                angles.note(message.log_time, read, euler.unit);
+                angles.note(message.log_time, read);
             }
         }
         Orientation::Pitch(pitch) => {
             if let Some(read) = values[pitch.field].number() {
-                angles.note_pitch(read, pitch.unit);
+                angles.note_pitch(read);
             }
         }
         Orientation::Quaternion(_) => {}

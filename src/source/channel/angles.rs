@@ -11,7 +11,7 @@ const WHOLE: f64 = 1.0027;
 /// first turn. Messages further apart than this, in nanoseconds, show nothing of that.
 const ADJACENT: u64 = 500_000_000;
 
-/// The largest of the angles that one reading has read, in turns.
+/// The largest of the angles that one reading has read, in its unit.
 #[derive(Debug, Clone, Copy)]
 pub struct AngleWatch {
     roll: f64,
@@ -50,8 +50,7 @@ impl Default for AngleWatch {
 
 impl AngleWatch {
     /// Notes the roll, pitch and yaw of a message.
-    pub fn note(&mut self, time: u64, angles: [f64; 3], unit: AngleUnit) {
-        let [roll, pitch, yaw] = angles.map(|angle| angle / unit.turn());
+    pub fn note(&mut self, time: u64, [roll, pitch, yaw]: [f64; 3]) {
         self.roll = self.roll.max(roll.abs());
         self.pitch = self.pitch.max(pitch.abs());
         self.yaw = self.yaw.max(yaw.abs());
@@ -64,8 +63,8 @@ impl AngleWatch {
     }
 
     /// Notes a pitch alone.
-    pub fn note_pitch(&mut self, pitch: f64, unit: AngleUnit) {
-        self.pitch = self.pitch.max((pitch / unit.turn()).abs());
+    pub fn note_pitch(&mut self, pitch: f64) {
+        self.pitch = self.pitch.max(pitch.abs());
         self.least_yaw = 0.0;
     }
 
@@ -80,17 +79,18 @@ impl AngleWatch {
 
     /// An angle that is too large, if there is one.
     pub fn oversized(&self, unit: AngleUnit) -> Option<OversizedAngle> {
+        let [quarter, half, whole] = [QUARTER, HALF, WHOLE].map(|turns| turns * unit.turn());
         // One that goes on counting would have begun within a turn, and would not jump where a turn is complete.
-        let is_no_count = self.least_yaw > WHOLE || self.step > HALF;
+        let is_no_count = self.least_yaw > whole || self.step > half;
         let found = [
-            (self.pitch, QUARTER, self.pitch > HALF),
-            (self.yaw, WHOLE, is_no_count),
-            (self.roll, WHOLE, true),
+            (self.pitch, quarter, self.pitch > half),
+            (self.yaw, whole, is_no_count),
+            (self.roll, whole, true),
         ];
         let beyond = found.into_iter().filter(|(angle, limit, _)| angle > limit);
         let certain_first = beyond.max_by_key(|&(_, _, is_certain)| is_certain);
-        certain_first.map(|(turns, _, is_certain)| OversizedAngle {
-            angle: turns * unit.turn(),
+        certain_first.map(|(angle, _, is_certain)| OversizedAngle {
+            angle,
             unit,
             is_certain,
         })
