@@ -31,7 +31,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     })?;
     if let Some(outcome) = outcome {
         let breaks = outcome.breaks;
-        eprintln!("{} gaps, {} resets", breaks.gaps, breaks.resets);
+        eprintln!(
+            "{} gaps, {} resets, {} steps back in time",
+            breaks.gaps, breaks.resets, breaks.clock_steps
+        );
     }
     Ok(())
 }

@@ -26,22 +26,22 @@ use crate::{
     error::Error,
     log::{Access, Log, file::LogFile, stream::Named},
     options::Options,
-    report::{DeriveReport, Findings, MissingTopic, Report},
+    report::{Derivation, DeriveReport, Findings, MissingTopic, Report},
     run::{Input, Left, Output, Run, RunError, Stopped},
     writer::original::Original,
 };
-use job::{Derivation, Job};
+use job::{Batch, Job};
 use judge::judge;
 use plan::Plan;
 use target::Target;
 
-/// Receives the derived values in the order of their times, for example a log writer.
+/// Receives the derived values epoch by epoch, each in the order of their times, for example a log writer.
 pub(crate) trait Sink {
     /// Takes the next values.
     ///
     /// # Errors
     /// It cannot take them, or has stopped early.
-    fn take(&mut self, values: &[Derived]) -> Result<(), Stopped>;
+    fn take(&mut self, batch: &Batch) -> Result<(), Stopped>;
 }
 
 /// Writes a log with the camera's channels. If the log is already enriched, the earlier result is replaced.
@@ -108,23 +108,16 @@ fn write(
     run.expect(target.bytes_to_copy(&original.log));
     thread::scope(|scope| {
         let _at_end = run.cancel_at_end();
-        let mut job = Job::start(scope, telemetry, source, camera, options, run);
-        let findings = |derivation: Derivation| {
-            let Derivation {
-                source,
-                dropped,
-                outcome,
-            } = derivation;
-            Findings::new(
-                original, options, source, camera, encoding, &dropped, outcome,
-            )
-        };
+        let mut job = Job::start(scope, telemetry, source, camera, options, run)?;
+        let findings =
+            |derivation: Derivation| Findings::new(original, options, camera, encoding, derivation);
         // If nothing can be derived, nothing is created.
         let Some(first) = job.next() else {
             return Err(nothing_derived(&findings(job.finish()?), &original.log).into());
         };
 
         let mut sink = target.begin(scope, &original.log, format, run)?;
+        sink.writer.divide(&job.epoch_starts);
         let derivation = sink.take(&first).and_then(|()| job.feed(&mut sink));
         match derivation {
             Ok(derivation) => {
@@ -142,7 +135,8 @@ fn write(
 }
 
 /// Derives the camera's motion from a log's telemetry without writing a log. `take` gets all values in batches, in the
-/// order of their times. Returns what became of the samples; `None` if `take` ended the derivation.
+/// order of their times; where the log's clock was set back, so are they. Returns what became of the samples; `None` if
+/// `take` ended the derivation.
 ///
 /// # Errors
 /// Something is wrong with the log or the options.
@@ -163,17 +157,16 @@ pub fn derive<'a>(
         let Plan { source, camera, .. } = Plan::new(&log, options)?;
         thread::scope(|scope| {
             let _at_end = run.cancel_at_end();
-            let mut job = Job::start(scope, &log, source, camera, options, &run);
-            for values in &mut job {
-                if take(&values).is_break() {
+            let mut job = Job::start(scope, &log, source, camera, options, &run)?;
+            for batch in &mut job {
+                if take(&batch.values).is_break() {
                     return Ok(None);
                 }
             }
             let derivation = job.finish()?;
             judge(&derivation, &log, options)?;
-            let (source, outcome) = derivation.outcome();
             let grown_by = log.file.grown_by()?;
-            Ok(Some(DeriveReport::new(&log, &source, outcome, grown_by)))
+            Ok(Some(DeriveReport::new(&log, derivation, grown_by)))
         })
     })
 }

@@ -45,7 +45,8 @@
 //! | `log` | the MCAP container: what a log contains and where, its messages | fs, text |
 //! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log, similar |
 //! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry, similar |
-//! | `reader` | log + source → samples in time order | log, source, sample |
+//! | `clock` | where the time of a log's messages goes back for good: its epochs | log, source, sample |
+//! | `reader` | log + source → samples in time order, epoch by epoch | log, source, sample, clock |
 //! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | derived |
 //! | `writer` | derived values → channels added to a log; the journal of a change in place; the original that an enriched log carries | fs, log, derived, messages |
 //! | `watch` | progress and cancellation | writer |
@@ -72,6 +73,8 @@ mod similar;
 
 #[doc(hidden)]
 pub mod camera;
+#[doc(hidden)]
+pub mod clock;
 #[doc(hidden)]
 pub mod decode;
 #[doc(hidden)]
@@ -128,6 +131,7 @@ pub mod profile {
 }
 
 pub use camera::{Mount, MountOutOfRange};
+pub use clock::ClockStep;
 pub use decode::trial::UnmetFilter;
 pub use derived::{Derived, Quantity, Value};
 pub use enrich::{derive, enrich};

@@ -20,6 +20,7 @@ mod indexed_chunk;
 mod message_times;
 mod partial_chunk;
 mod segment;
+mod step_back;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -39,6 +40,7 @@ pub use crate::fs::Access;
 pub use error::{ChunkFault, Damage, ReadError, RecordKind};
 pub use foreign::ForeignFormat;
 pub use segment::SegmentReader;
+pub use step_back::StepBack;
 
 /// [`Log::first_payloads`] leaves out payloads that are longer than this.
 pub const LONGEST_EXAMPLE: usize = 64 * 1024;
@@ -165,8 +167,10 @@ impl Log {
             Stop::Footer { offset, .. } => offset,
         };
         let defined_in_chunks = std::mem::take(&mut collector.defined_in_chunks);
+        let steps_back = std::mem::take(&mut collector.steps_back);
         let mut contents = collector.finish();
         contents.statistics = contents.recount();
+        contents.steps_back = Some(steps_back);
         let scanned = match ending.map(|ending| ending.summary) {
             None => Some(ScanReason::NotClosed),
             Some(None) => Some(ScanReason::NoSummary),

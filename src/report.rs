@@ -28,7 +28,7 @@ use crate::{
     transform::{Breaks, Motion, Outcome},
     writer::Layout,
 };
-pub(crate) use findings::Findings;
+pub(crate) use findings::{Derivation, Findings};
 pub use missing::{MissingReason, MissingTopic};
 pub use note::Note;
 
@@ -96,7 +96,12 @@ pub struct DeriveReport {
 
 impl DeriveReport {
     /// Creates the report on a log to which other programs added `grown_by` bytes during the run.
-    pub(crate) fn new(log: &Log, source: &Source, outcome: Outcome, grown_by: u64) -> Self {
+    pub(crate) fn new(log: &Log, derivation: Derivation, grown_by: u64) -> Self {
+        let Derivation {
+            source,
+            outcome,
+            clock_steps,
+        } = derivation;
         let Outcome {
             tallies,
             breaks,
@@ -110,6 +115,7 @@ impl DeriveReport {
             Note::on_recovery(log),
             Note::on_lost_end(log),
             Note::on_growth(grown_by),
+            Note::on_clock_steps(&clock_steps),
         ];
         Self {
             tallies,

@@ -1,7 +1,8 @@
 //! Samples → derived values: a state machine without input or output.
 //!
 //! Samples go in one at a time, in time order and at equal times in the order of their [`Kind`]; derived values
-//! come out in time order, at equal times the relative rotation before the velocity.
+//! come out in time order, at equal times the relative rotation before the velocity. Where the clock was set back, a
+//! new epoch begins, with times of its own; nothing is derived from samples of two epochs.
 //!
 //! The drone's attitude and, if the camera follows it, the gimbal's orientation are interpolated, so an attitude
 //! or a velocity is held back until a gimbal angle and an attitude at its time or later have come. Samples are
@@ -14,7 +15,10 @@ mod motion;
 mod orientation;
 mod track;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    mem,
+};
 
 use nalgebra::{Rotation3, Vector3};
 use serde::Serialize;
@@ -134,6 +138,8 @@ pub struct Breaks {
     pub gaps: u64,
     /// How often the log's count of attitude resets changed: the estimator jumped, the camera did not.
     pub resets: u64,
+    /// How often the time of the log went back, as where a clock was set.
+    pub clock_steps: u64,
 }
 
 /// A sample that something is derived from, and that is not settled yet.
@@ -197,10 +203,12 @@ pub struct Transform {
     last_velocity_time: Option<u64>,
     /// Attitudes and velocities that are not settled, in their order.
     held: VecDeque<Held>,
-    /// The last attitude sample for which the camera is known.
+    /// The last attitude sample of this epoch for which the camera is known.
     previous: Option<Pose>,
     /// The last velocity, and its time.
     previous_velocity: Option<(u64, Vector3<f64>)>,
+    /// Whether an earlier epoch had one, and this one has not.
+    is_after_clock_step: bool,
     /// How many samples of the second kind were dropped because the last one of the first kind is out of reach.
     out_of_reach: BTreeMap<(Kind, Kind), u64>,
     outcome: Outcome,
@@ -220,6 +228,7 @@ impl Transform {
             held: VecDeque::new(),
             previous: None,
             previous_velocity: None,
+            is_after_clock_step: false,
             out_of_reach: BTreeMap::new(),
             outcome: Outcome::default(),
         }
@@ -255,13 +264,29 @@ impl Transform {
         }
     }
 
+    /// Begins a new epoch: the samples that follow have times that are not related to those so far. Samples that are
+    /// still waiting are dropped.
+    pub fn begin_epoch(&mut self) {
+        self.end_epoch();
+        self.attitudes = Track::new(self.max_gap);
+        self.gimbal = Track::new(self.max_gap);
+        self.last_attitude_time = None;
+        self.last_velocity_time = None;
+        self.previous_velocity = None;
+        self.is_after_clock_step |= self.previous.take().is_some();
+    }
+
     /// Ends the run. Samples that are still waiting are dropped.
     pub fn finish(mut self) -> Outcome {
+        self.end_epoch();
+        self.outcome
+    }
+
+    fn end_epoch(&mut self) {
         // Nothing is derived here: every held sample either waits or is later than one that does.
         self.settle(None, &mut Vec::new());
         self.settle_out_of_reach(Kind::Attitude, Attitude::OUTSIDE);
         self.settle_out_of_reach(Kind::Gimbal, Gimbal::OUTSIDE);
-        self.outcome
     }
 
     /// Whether this is an attitude that is left out because of the one before.
@@ -365,7 +390,10 @@ impl Transform {
 
     /// How the camera turned since the previous attitude sample, unless the chain broke in between.
     fn turn_to(&mut self, pose: Pose) -> Option<Value> {
-        let previous = self.previous.replace(pose)?;
+        let Some(previous) = self.previous.replace(pose) else {
+            self.outcome.breaks.clock_steps += u64::from(mem::take(&mut self.is_after_clock_step));
+            return None;
+        };
         if !self.max_gap.spans(previous.time, pose.time) {
             self.outcome.breaks.gaps += 1;
             return None;

@@ -53,7 +53,20 @@ impl Layout {
 
 /// Adds derived values to a log.
 pub trait LogWriter {
-    /// Adds one message, and before the first of a topic its channel. Values come in the order of their times.
+    /// Says in which of the log's segments epochs begin, from the second one on; called before the first value. Without
+    /// it, nothing is known about that.
+    fn divide(&mut self, _epoch_starts: &[usize]) {}
+
+    /// Says that the next values are of this epoch, which is not an earlier one than before.
+    ///
+    /// # Errors
+    /// The output cannot be written, or the log cannot be read.
+    fn go_to_epoch(&mut self, _epoch: u32) -> Result<(), WriteError> {
+        Ok(())
+    }
+
+    /// Adds one message, and before the first of a topic its channel. Values come epoch by epoch, in the order of their
+    /// times.
     ///
     /// # Errors
     /// The output cannot be written, the log cannot be read, or it has no id left for a channel.

@@ -63,7 +63,11 @@ fn describe_bytes(report: &Report) -> String {
 }
 
 fn describe_breaks(page: &mut Page, breaks: Breaks, max_gap_s: f64) {
-    let Breaks { gaps, resets } = breaks;
+    let Breaks {
+        gaps,
+        resets,
+        clock_steps,
+    } = breaks;
     if gaps > 0 {
         let gaps = plural(gaps, "gap");
         page.line(
@@ -77,6 +81,10 @@ fn describe_breaks(page: &mut Page, breaks: Breaks, max_gap_s: f64) {
             "",
             format!("no rotation across {resets} of the attitude estimator"),
         );
+    }
+    if clock_steps > 0 {
+        let steps = plural(clock_steps, "step");
+        page.line("", format!("no rotation across {steps} back in time"));
     }
 }
 

@@ -10,13 +10,13 @@ use super::Sink;
 use crate::{
     camera::Camera,
     derived::Derived,
-    log::Log,
+    log::{Log, ReadError},
     options::Options,
     reader::Reader,
+    report::Derivation,
     run::{Cancelled, Run, Stopped},
-    sample::Tallies,
     source::Source,
-    transform::{Outcome, Transform},
+    transform::Transform,
 };
 
 /// How many values are handed over at once, so that handing over costs little for each of them.
@@ -30,31 +30,24 @@ const BATCHES: usize = 4;
 /// The thread that reads a log's telemetry and derives values from it. As an iterator it yields the values in batches.
 /// It ends with the last one, or earlier if something goes wrong; [`finish`](Self::finish) returns which.
 pub struct Job<'scope> {
-    batches: Receiver<Vec<Derived>>,
+    batches: Receiver<Batch>,
+    /// See [`Reader::epoch_starts`].
+    pub epoch_starts: Vec<usize>,
     thread: ScopedJoinHandle<'scope, Result<Derivation, Stopped>>,
 }
 
-/// What is known when all telemetry has been read.
-pub struct Derivation {
-    /// Where the telemetry is, and what was noticed in its messages.
-    pub source: Source,
-    /// The samples that the reader dropped.
-    pub dropped: Tallies,
-    /// What the transform made of the others.
-    pub outcome: Outcome,
-}
-
-impl Derivation {
-    /// Where the telemetry is, and what became of all samples.
-    pub fn outcome(self) -> (Source, Outcome) {
-        let mut outcome = self.outcome;
-        outcome.tallies.merge(&self.dropped);
-        (self.source, outcome)
-    }
+/// Values of one epoch, in the order of their times.
+pub struct Batch {
+    pub epoch: u32,
+    /// At least one.
+    pub values: Vec<Derived>,
 }
 
 impl<'scope> Job<'scope> {
     /// Starts the thread. If the job is dropped, the thread ends, because it cannot send any more.
+    ///
+    /// # Errors
+    /// The log cannot be read.
     pub fn start<'env>(
         scope: &'scope Scope<'scope, 'env>,
         log: &'env Log,
@@ -62,15 +55,16 @@ impl<'scope> Job<'scope> {
         camera: Camera,
         options: &Options,
         run: &'env Run,
-    ) -> Self {
-        let reader = Reader::new(log, source);
+    ) -> Result<Self, ReadError> {
+        let reader = Reader::new(log, source)?;
         let transform = Transform::new(camera, options.max_gap).thinned(options.min_interval);
         run.expect(reader.bytes_total());
         let (batches, taken) = mpsc::sync_channel(BATCHES);
-        Self {
+        Ok(Self {
             batches: taken,
+            epoch_starts: reader.epoch_starts(),
             thread: scope.spawn(move || derive(reader, transform, &batches, run)),
-        }
+        })
     }
 
     /// Passes all remaining batches to a sink.
@@ -97,9 +91,9 @@ impl<'scope> Job<'scope> {
 }
 
 impl Iterator for Job<'_> {
-    type Item = Vec<Derived>;
+    type Item = Batch;
 
-    fn next(&mut self) -> Option<Vec<Derived>> {
+    fn next(&mut self) -> Option<Batch> {
         self.batches.recv().ok()
     }
 }
@@ -108,36 +102,41 @@ impl Iterator for Job<'_> {
 fn derive(
     reader: Reader,
     mut transform: Transform,
-    batches: &SyncSender<Vec<Derived>>,
+    batches: &SyncSender<Batch>,
     run: &Run,
 ) -> Result<Derivation, Stopped> {
     let total = reader.bytes_total();
     // Sending waits while there is no room. It fails when the receiver is dropped. That is not an error of this thread:
     // the other side has one, or has stopped early.
-    let hand_over = |derived: &mut Vec<Derived>, bytes_read| {
-        let batch = mem::replace(derived, Vec::with_capacity(BATCH));
+    let hand_over = |epoch, derived: &mut Vec<Derived>, bytes_read| {
+        let values = mem::replace(derived, Vec::with_capacity(BATCH));
+        let batch = Batch { epoch, values };
         batches.send(batch).map_err(|_| Cancelled)?;
         run.read(bytes_read);
         run.go_on()
     };
     let mut derived = Vec::with_capacity(BATCH);
-    let (source, dropped) = reader.for_each(|sample, bytes_read| {
+    let mut epoch = 0;
+    let read = reader.for_each(|arrival| {
         // Checked for each sample, because many of them may yield no value.
         run.go_on()?;
-        transform.push(sample, &mut derived);
+        if arrival.epoch != epoch {
+            transform.begin_epoch();
+            if !derived.is_empty() {
+                hand_over(epoch, &mut derived, arrival.bytes_read)?;
+            }
+            epoch = arrival.epoch;
+        }
+        transform.push(arrival.sample, &mut derived);
         match derived.len() < BATCH {
             true => Ok(()),
-            false => Ok::<_, Stopped>(hand_over(&mut derived, bytes_read)?),
+            false => Ok::<_, Stopped>(hand_over(epoch, &mut derived, arrival.bytes_read)?),
         }
     })?;
     if !derived.is_empty() {
-        hand_over(&mut derived, total)?;
+        hand_over(epoch, &mut derived, total)?;
     }
     run.read(total);
     run.go_on()?;
-    Ok(Derivation {
-        source,
-        dropped,
-        outcome: transform.finish(),
-    })
+    Ok(Derivation::new(read, transform.finish()))
 }

@@ -1,7 +1,6 @@
 //! Whether what was read can be right, once all telemetry has been read.
 
-use super::job::Derivation;
-use crate::{error::Error, log::Log, options::Options};
+use crate::{error::Error, log::Log, options::Options, report::Derivation};
 
 /// Checks what a log's own numbers say about how they were read.
 ///

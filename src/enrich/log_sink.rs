@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Sink, background::Background, held_back::HeldBack};
+use super::{Sink, background::Background, held_back::HeldBack, job::Batch};
 use crate::{
-    derived::Derived,
     error::Error,
     log::file::LogFile,
     run::{Run, RunError, Stopped},
@@ -39,8 +38,9 @@ pub enum Completion<'scope> {
 }
 
 impl Sink for LogSink<'_> {
-    fn take(&mut self, values: &[Derived]) -> Result<(), Stopped> {
-        for derived in values {
+    fn take(&mut self, batch: &Batch) -> Result<(), Stopped> {
+        self.writer.go_to_epoch(batch.epoch)?;
+        for derived in &batch.values {
             self.writer.write(derived)?;
         }
         Ok(self.run.go_on()?)

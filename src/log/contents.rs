@@ -12,6 +12,7 @@ use mcap::records::{
 use super::{
     error::Damage,
     record::{MAX_RECORD, Raw, TEXT_ENTRY, parse},
+    step_back::StepBack,
 };
 
 /// An index of the log's records; its size does not depend on the message count.
@@ -29,6 +30,8 @@ pub struct Contents {
     pub statistics: Statistics,
     /// Channel ids that the log's summary mentions, though perhaps nothing else does.
     pub mentioned_channel_ids: BTreeSet<u16>,
+    /// How far the log times on each channel go back, if all messages were read in the order of the file.
+    pub steps_back: Option<BTreeMap<u16, StepBack>>,
     /// Records of the summary section of unknown kinds: opcode and body.
     pub unknown_summary: Vec<(u8, Vec<u8>)>,
 }

@@ -8,15 +8,37 @@ use super::{
     contents::{Segment, SegmentKind},
     error::ReadError,
     file::LogFile,
-    record::{FRAME_LENGTH, parse, push_record, serialize, split_frame},
+    record::{FRAME_LENGTH, MessageIndexStart, parse, push_record, serialize, split_frame},
 };
 
 /// The bytes of a message index before its entries (frame, channel id, length), and of one entry.
 pub const MESSAGE_INDEX_PREFIX: u64 = FRAME_LENGTH as u64 + 2 + 4;
 pub const MESSAGE_INDEX_ENTRY: u64 = 8 + 8;
 
+/// The same, to slice with.
+const HEAD: usize = MESSAGE_INDEX_PREFIX as usize;
+
 /// A longer message index is not used: it takes more memory than the chunk of even a million messages does.
 const LONGEST: u64 = 32 * 1024 * 1024;
+
+/// The entries of a message index, as they are in the file.
+pub struct IndexEntries(Vec<u8>);
+
+impl IndexEntries {
+    /// One after the other.
+    pub fn iter(&self) -> impl Iterator<Item = MessageIndexEntry> {
+        let number = |bytes: &[u8; 8]| u64::from_le_bytes(*bytes);
+        let (entries, _) = self.0[HEAD..].as_chunks::<{ MESSAGE_INDEX_ENTRY as usize }>();
+        entries.iter().filter_map(move |entry| {
+            let (log_time, rest) = entry.split_first_chunk()?;
+            let (offset, _) = rest.split_first_chunk()?;
+            Some(MessageIndexEntry {
+                log_time: number(log_time),
+                offset: number(offset),
+            })
+        })
+    }
+}
 
 /// The entries of a channel's message index; `None` if the segment has no index of that channel, or a very long one, or
 /// one that does not list as many messages as the channel has there.
@@ -24,7 +46,7 @@ pub fn message_index(
     file: &LogFile,
     segment: &Segment,
     channel_id: u16,
-) -> Result<Option<Vec<MessageIndexEntry>>, ReadError> {
+) -> Result<Option<IndexEntries>, ReadError> {
     let SegmentKind::Chunk { index, .. } = &segment.kind else {
         return Ok(None);
     };
@@ -34,17 +56,17 @@ pub fn message_index(
         return Ok(None);
     };
     // The length that follows from the count, regardless of what the record itself claims.
-    let length = MESSAGE_INDEX_PREFIX.saturating_add(count.saturating_mul(MESSAGE_INDEX_ENTRY));
+    let entries = count.saturating_mul(MESSAGE_INDEX_ENTRY);
+    let length = MESSAGE_INDEX_PREFIX.saturating_add(entries);
     if length > LONGEST || offset.saturating_add(length) > file.length() {
         return Ok(None);
     }
     let record = file.read(offset, length)?;
-    let (frame, body) = record.split_at(FRAME_LENGTH);
-    let index = split_frame(frame)
-        .filter(|(opcode, _)| *opcode == op::MESSAGE_INDEX)
-        .and_then(|_| parse::<MessageIndex>(body).ok())
-        .filter(|index| index.channel_id == channel_id && index.records.len() as u64 == count);
-    Ok(index.map(|index| index.records))
+    let is_index = split_frame(&record).is_some_and(|(opcode, _)| opcode == op::MESSAGE_INDEX);
+    let start = parse::<MessageIndexStart>(&record[FRAME_LENGTH..HEAD]);
+    let is_this = start
+        .is_ok_and(|start| start.channel_id == channel_id && u64::from(start.length) == entries);
+    Ok((is_index && is_this).then_some(IndexEntries(record)))
 }
 
 /// The message indexes of a chunk with these entries by channel.

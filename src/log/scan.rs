@@ -15,6 +15,7 @@ use super::{
         AttachmentStart, FRAME_LENGTH, Fields, MAX_RECORD, MESSAGE_HEADER_LENGTH,
         MessageIndexStart, MetadataStart, Raw, RawMessage, Unreadable, parse, split_frame,
     },
+    step_back::StepBack,
 };
 
 /// How much is read at once where records follow one another closely.
@@ -220,6 +221,8 @@ pub struct Collector {
     pub contents: Contents,
     /// The definitions that occurred first in a chunk.
     pub defined_in_chunks: Vec<DefinedInChunk>,
+    /// How far the log times on each channel go back.
+    pub steps_back: BTreeMap<u16, StepBack>,
     chunks: ChunkDecoder,
     room: Room,
     /// The chunk that message indexes may still follow.
@@ -373,6 +376,8 @@ impl Collector {
         run.times = widen(run.times, log_time);
         *run.message_counts.entry(channel_id).or_default() += 1;
         segments.push(run);
+        let steps_back = self.steps_back.entry(channel_id);
+        steps_back.or_default().push(log_time);
     }
 
     /// Takes the content of a chunk.
@@ -405,6 +410,8 @@ impl Collector {
                     let message = message.ok_or_else(|| malformed(RecordKind::Message))?;
                     times = widen(times, message.log_time);
                     *message_counts.entry(message.channel_id).or_default() += 1;
+                    let steps_back = self.steps_back.entry(message.channel_id);
+                    steps_back.or_default().push(message.log_time);
                     visit(definitions, &message, record.body);
                 }
                 opcode => {

@@ -1,14 +1,15 @@
 //! Segments → runs of samples, on several threads.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     panic,
     sync::mpsc,
     thread::{self, available_parallelism},
 };
 
-use super::{Part, merge::merge};
+use super::{Part, merge::Run};
 use crate::{
+    clock::LogEpochs,
     log::{Damage, Log, ReadError, SegmentReader},
     sample::{Sample, Tallies},
     source::Source,
@@ -26,25 +27,30 @@ struct Worker<'a> {
     segments: SegmentReader<'a>,
     wanted: BTreeSet<u16>,
     source: Source,
+    /// The epochs of the messages, if the times of samples are log times.
+    epochs: Option<&'a LogEpochs>,
     dropped: Tallies,
 }
 
 impl<'a> Worker<'a> {
-    fn new(log: &'a Log, source: Source) -> Self {
+    fn new(log: &'a Log, source: Source, epochs: Option<&'a LogEpochs>) -> Self {
         Self {
             log,
             segments: SegmentReader::new(log),
             wanted: source.channel_ids(),
             source,
+            epochs,
             dropped: Tallies::default(),
         }
     }
 
-    /// Reads the samples of a part, ordered by time, kind, and place in the file.
-    fn read(&mut self, part: &Part) -> Result<Vec<Sample>, ReadError> {
-        let &Part { start, segment } = part;
-        let mut samples = Vec::new();
-        for message in self.segments.read(segment, &self.wanted)? {
+    /// Reads the samples of a part: one run for each epoch, sorted, or all in the order of the file if the epochs are not
+    /// known.
+    fn read(&mut self, part: &Part) -> Result<Vec<Run>, ReadError> {
+        let &Part { start, segment, .. } = part;
+        let mut epochs = self.epochs.map(|epochs| epochs.in_segment(part.number));
+        let mut samples: BTreeMap<u32, Vec<Sample>> = BTreeMap::new();
+        for (number, message) in self.segments.read(segment, &self.wanted)?.enumerate() {
             let message = message?;
             if message.log_time < start {
                 let damage = Damage::EarlierThanIndexed {
@@ -53,13 +59,21 @@ impl<'a> Worker<'a> {
                 };
                 return Err(self.log.file.damaged(segment.offset, damage));
             }
+            let epoch = (epochs.as_mut()).map(|epochs| epochs.epoch(number, message.channel_id));
+            let of_epoch = samples.entry(epoch.unwrap_or(0)).or_default();
             self.source.read(&message, |kind, sample| match sample {
-                Ok(sample) => samples.push(sample),
+                Ok(sample) => of_epoch.push(sample),
                 Err(reason) => self.dropped[kind].count_dropped(reason, 1),
             });
         }
-        samples.sort_by_key(|sample| (sample.stamp().log_time, sample.kind()));
-        Ok(samples)
+        let runs = samples.into_iter().map(|(epoch, samples)| {
+            let mut run = Run { epoch, samples };
+            if self.epochs.is_some() {
+                run.sort();
+            }
+            run
+        });
+        Ok(runs.collect())
     }
 }
 
@@ -73,7 +87,10 @@ fn worthwhile_workers(parts: &[Part]) -> usize {
     cores.min(MOST_WORKERS).min(parts.len())
 }
 
-/// Reads the samples of all parts, passes them to `take` in order, and returns the source and what was dropped.
+/// The samples of each part in turn.
+pub type Runs<'r> = &'r mut dyn Iterator<Item = Result<Vec<Run>, ReadError>>;
+
+/// Reads the samples of all parts, passes them to `take`, and returns the source and what was dropped.
 ///
 /// The workers read the parts in turn, and hand over the samples of one part at a time, through a zero-capacity
 /// channel: each continues only when its samples have been taken. So each holds those of one part at most, and an error
@@ -82,20 +99,20 @@ pub fn read<E: From<ReadError>>(
     log: &Log,
     mut source: Source,
     parts: &[Part],
-    take: impl FnMut(Sample, u64) -> Result<(), E>,
+    epochs: Option<&LogEpochs>,
+    take: impl FnOnce(Runs) -> Result<(), E>,
 ) -> Result<(Source, Tallies), E> {
     let count = worthwhile_workers(parts);
     if count == 1 {
-        let mut worker = Worker::new(log, source);
-        let runs = parts.iter().map(|part| worker.read(part));
-        merge(parts, runs, take)?;
+        let mut worker = Worker::new(log, source, epochs);
+        take(&mut parts.iter().map(|part| worker.read(part)))?;
         return Ok((worker.source, worker.dropped));
     }
     thread::scope(|scope| {
         let (workers, results): (Vec<_>, Vec<_>) = (0..count)
             .map(|first| {
                 let (done, result) = mpsc::sync_channel(0);
-                let mut worker = Worker::new(log, source.clone());
+                let mut worker = Worker::new(log, source.clone(), epochs);
                 let work = move || {
                     for part in parts.iter().skip(first).step_by(count) {
                         // After an error, or if `take` has failed, the receiver is gone.
@@ -109,11 +126,11 @@ pub fn read<E: From<ReadError>>(
             })
             .unzip();
         // A worker that ends before it has read its parts has panicked. The panic is resumed when it is joined.
-        let runs = results
+        let mut runs = results
             .iter()
             .cycle()
             .map_while(|result| result.recv().ok());
-        let merged = merge(parts, runs, take);
+        let taken = take(&mut runs);
         drop(results);
         let mut dropped = Tallies::default();
         for worker in workers {
@@ -123,6 +140,6 @@ pub fn read<E: From<ReadError>>(
             source.merge(&worker.source);
             dropped.merge(&worker.dropped);
         }
-        merged.map(|()| (source, dropped))
+        taken.map(|()| (source, dropped))
     })
 }

@@ -48,6 +48,7 @@ impl Findings<'_> {
         add("encoding_reason", encoding_fact(&self.encoding));
         add("attitude_gaps", self.breaks.gaps.to_string());
         add("attitude_resets", self.breaks.resets.to_string());
+        add("attitude_clock_steps", self.breaks.clock_steps.to_string());
         for (kind, samples) in &self.samples {
             let kind = kind.name();
             if let Some(topic) = &samples.topic {

@@ -13,14 +13,38 @@ use super::{
 };
 use crate::{
     camera::Camera,
+    clock::ClockStep,
     derived::Quantity,
     log::ScanReason,
     options::Options,
-    sample::{Kind, Tallies, Tally},
+    reader::ReadOut,
+    sample::{Kind, Tally},
     source::{Source, undecodable::UndecodableMessage},
     transform::{Breaks, Motion, Outcome},
     writer::{Layout, Written, original::Original},
 };
+
+/// What is known when all telemetry has been read and all values derived from it.
+pub struct Derivation {
+    /// Where the telemetry is, and what was noticed in its messages.
+    pub source: Source,
+    /// What became of all samples.
+    pub outcome: Outcome,
+    /// Where the times of messages go back.
+    pub clock_steps: Vec<ClockStep>,
+}
+
+impl Derivation {
+    /// Of what was read, and what the transform made of it.
+    pub fn new(read: ReadOut, mut outcome: Outcome) -> Self {
+        outcome.tallies.merge(&read.dropped);
+        Self {
+            source: read.source,
+            outcome,
+            clock_steps: read.clock_steps,
+        }
+    }
+}
 
 /// What was found in a log, once all of its telemetry was read.
 pub struct Findings<'a> {
@@ -32,20 +56,27 @@ pub struct Findings<'a> {
     pub(super) camera: Camera,
     pub(super) breaks: Breaks,
     pub(super) motion: Motion,
+    clock_steps: Vec<ClockStep>,
 }
 
 impl<'a> Findings<'a> {
     pub fn new(
         original: &'a Original,
         options: &'a Options,
-        source: Source,
         camera: Camera,
         encoding: EncodingReport,
-        dropped: &Tallies,
-        outcome: Outcome,
+        derivation: Derivation,
     ) -> Self {
-        let mut tallies = outcome.tallies;
-        tallies.merge(dropped);
+        let Derivation {
+            source,
+            outcome:
+                Outcome {
+                    tallies,
+                    breaks,
+                    motion,
+                },
+            clock_steps,
+        } = derivation;
         let samples = camera
             .needed_kinds()
             .into_iter()
@@ -56,8 +87,9 @@ impl<'a> Findings<'a> {
             encoding,
             samples: samples.collect(),
             camera,
-            breaks: outcome.breaks,
-            motion: outcome.motion,
+            breaks,
+            motion,
+            clock_steps,
             source,
         }
     }
@@ -79,6 +111,7 @@ impl<'a> Findings<'a> {
         MissingReason::NoneAdjacent {
             gaps: self.breaks.gaps,
             resets: self.breaks.resets,
+            clock_steps: self.breaks.clock_steps,
         }
     }
 
@@ -170,6 +203,7 @@ impl<'a> Findings<'a> {
             written.checksum_was_wrong.then_some(Note::ChecksumWrong),
             self.note_on_ignored_gimbal(),
             self.note_on_times(written),
+            Note::on_clock_steps(&self.clock_steps),
             Note::on_suspicious_angle(&self.source, &self.options.telemetry),
         ];
         let unmet = Note::on_unmet_conditions(&self.source);

@@ -62,6 +62,8 @@ pub enum MissingReason {
         gaps: u64,
         /// How often the estimator was reset in between.
         resets: u64,
+        /// How often the time went back in between.
+        clock_steps: u64,
     },
 }
 
@@ -110,9 +112,14 @@ impl fmt::Display for MissingReason {
                     None => Ok(()),
                 }
             }
-            Self::NoneAdjacent { gaps, resets } => write!(
+            Self::NoneAdjacent {
+                gaps,
+                resets,
+                clock_steps,
+            } => write!(
                 f,
-                "no two attitude samples belong together (gaps between them: {gaps}, resets: {resets})"
+                "no two attitude samples belong together (gaps between them: {gaps}, resets: {resets}, steps back in \
+                 time: {clock_steps})"
             ),
         }
     }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{CameraReport, lossy};
 use crate::{
+    clock::ClockStep,
     log::Log,
     sample::Kind,
     source::{
@@ -80,6 +81,12 @@ pub enum Note {
         /// How the camera is mounted.
         camera: CameraReport,
     },
+    /// The time of messages goes back although the file goes on, as where a clock was set or a recorder was restarted.
+    /// What comes after such a step is processed by itself.
+    ClockSteps {
+        /// Each of them, in the order of the file.
+        steps: Vec<ClockStep>,
+    },
     /// The samples have times before the log's first message or after its last.
     TimesOutsideLog,
     /// An angle is larger than one of the unit in which it was read usually is.
@@ -141,6 +148,13 @@ impl Note {
     /// A note for a log whose file has become longer since it was opened.
     pub(crate) fn on_growth(added_bytes: u64) -> Option<Self> {
         (added_bytes > 0).then_some(Self::Grew { added_bytes })
+    }
+
+    /// A note for telemetry whose times go back.
+    pub(crate) fn on_clock_steps(steps: &[ClockStep]) -> Option<Self> {
+        (!steps.is_empty()).then(|| Self::ClockSteps {
+            steps: steps.to_vec(),
+        })
     }
 
     /// A note for telemetry whose angles are too large for their unit, once all messages have been read.

@@ -3,7 +3,8 @@
 //! The log's data is cut into pieces at the starts of its segments: the first piece is everything before the first
 //! segment; every other one is a segment and what follows it. A value goes after all pieces that contain anything as
 //! early as the value, and before the others, so if the log is in time order, the result is too. Values come in time
-//! order, so the pieces are copied as their times pass, and nothing has to be held.
+//! order, so the pieces are copied as their times pass, and nothing has to be held. Where the log's clock was set back,
+//! a new epoch begins: only pieces of the value's own epoch count.
 
 use std::{
     collections::BTreeMap,
@@ -37,8 +38,12 @@ pub struct Interleaver<'a, W> {
     section: DataSection<W>,
     channels: NewChannels<'a>,
     batch: Batch,
-    /// The earliest time in each piece or in any piece after it.
+    /// The earliest time in each piece or in any piece of its epoch after it.
     starts: Vec<u64>,
+    /// The pieces in which epochs begin, from the second one on.
+    epoch_starts: Vec<usize>,
+    /// Where the pieces of the current epoch end.
+    epoch_end: usize,
     /// How many pieces have been written.
     written: usize,
     /// What the log contains, with new positions for what has been written.
@@ -66,12 +71,15 @@ impl<'a, W: Write> Interleaver<'a, W> {
         on_copied: OnCopied<'a>,
     ) -> Result<Self, WriteError> {
         let section = DataSection::new(out, 0, log.data_crc.map(|_| 0));
+        let starts = starts(&log.contents.segments, &[]);
         Ok(Self {
             section: section.map_err(|source| WriteError::output(&path, source))?,
             path,
             channels: NewChannels::new(log, format),
             batch: Batch::default(),
-            starts: starts(&log.contents.segments),
+            epoch_starts: Vec::new(),
+            epoch_end: starts.len(),
+            starts,
             written: 0,
             contents: log.contents.clone(),
             moves: Moves::default(),
@@ -84,8 +92,27 @@ impl<'a, W: Write> Interleaver<'a, W> {
 }
 
 impl<W: Write> LogWriter for Interleaver<'_, W> {
+    fn divide(&mut self, epoch_starts: &[usize]) {
+        // The first piece is what is before the first segment.
+        self.epoch_starts = epoch_starts.iter().map(|segment| segment + 1).collect();
+        self.starts = starts(&self.log.contents.segments, &self.epoch_starts);
+        self.epoch_end = self.end_of_epoch(0);
+    }
+
+    fn go_to_epoch(&mut self, epoch: u32) -> Result<(), WriteError> {
+        let begun = self.epoch_starts.iter().take(epoch as usize);
+        if let Some(&start) = begun.last() {
+            while self.written < start {
+                self.write_batch()?;
+                self.write_piece()?;
+            }
+        }
+        self.epoch_end = self.end_of_epoch(epoch);
+        Ok(())
+    }
+
     fn write(&mut self, derived: &Derived) -> Result<(), WriteError> {
-        while let Some(&start) = self.starts.get(self.written)
+        while let Some(&start) = self.starts[..self.epoch_end].get(self.written)
             && start <= derived.stamp.log_time
         {
             self.write_batch()?;
@@ -142,6 +169,12 @@ impl<W: Write> LogWriter for Interleaver<'_, W> {
 }
 
 impl<W: Write> Interleaver<'_, W> {
+    /// Where the pieces of an epoch end. The one in which the next begins has both.
+    fn end_of_epoch(&self, epoch: u32) -> usize {
+        let next = self.epoch_starts.get(epoch as usize);
+        next.map_or(self.starts.len(), |start| start + 1)
+    }
+
     fn write_batch(&mut self) -> Result<(), WriteError> {
         let written = self.section.write_chunk(&mut self.batch);
         written.map_err(|source| self.failed(source))
@@ -248,18 +281,18 @@ impl<W: Write> Interleaver<'_, W> {
     }
 }
 
-/// The earliest time in each piece of a log with these segments, or in any piece after it.
-fn starts(segments: &[Segment]) -> Vec<u64> {
-    let mut earliest = u64::MAX;
-    let mut starts: Vec<u64> = (segments.iter().rev())
-        .map(|segment| {
-            earliest = earliest.min(segment.times.map_or(u64::MAX, |(start, _)| start));
-            earliest
-        })
-        .collect();
+/// The earliest time in each piece of a log with these segments, or in any piece of its epoch after it. Epochs begin in
+/// the pieces `epoch_starts`.
+fn starts(segments: &[Segment], epoch_starts: &[usize]) -> Vec<u64> {
+    let start = |segment: &Segment| segment.times.map_or(u64::MAX, |(start, _)| start);
     // Nothing goes before the log's header.
-    starts.push(0);
-    starts.reverse();
+    let mut starts: Vec<u64> = [0].into_iter().chain(segments.iter().map(start)).collect();
+    for piece in (1..starts.len()).rev() {
+        let is_last = epoch_starts.contains(&piece) || piece + 1 == starts.len();
+        if !is_last {
+            starts[piece] = starts[piece].min(starts[piece + 1]);
+        }
+    }
     starts
 }
 

@@ -132,3 +132,21 @@ fn transforms_in_lists_whose_order_changes() {
     let words = "several sources write to /tf: its `transforms[0].child_frame_id` is";
     refuses("tf-is-all-there-is", &path("[0]"), words);
 }
+
+/// A recorder whose clock is set during the flight (https://github.com/introlab/rtabmap_ros/issues/1333).
+#[test]
+fn a_clock_that_is_set_back() {
+    let log = fs::read(fixture("clock-steps-back.mcap")).expect("the log");
+    let csv = fs::read_to_string(fixture("clock-steps-back.csv")).expect("the numbers");
+    for layout in ["append", "interleaved"] {
+        let folder = Folder::with("input.mcap", &log);
+        let arguments =
+            format!("enrich input.mcap -o result.mcap --depression 30 --layout {layout}");
+        let report = folder.writes("result.mcap", &arguments, 0);
+        assert!(report.contains("time goes back by 2.970 s"), "{report}");
+        // The times of the result go back as those of the log do.
+        let mut messages = stream(&folder.read("result.mcap"), false);
+        messages.retain(|message| DERIVED.contains(&message.topic.as_str()));
+        assert_as_expected(messages, &csv);
+    }
+}

@@ -33,6 +33,10 @@ mod cli {
     mod profiles;
 }
 
+mod clock {
+    mod series;
+}
+
 mod decode {
     // Reading a field allocates nothing.
     mod allocations;

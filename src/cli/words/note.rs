@@ -1,10 +1,12 @@
 //! Notes in words, with what the user can do about them.
 
 use flightcam::{
+    ClockStep,
     report::{CameraReport, Note},
     text,
     writer::Layout,
 };
+use indicatif::HumanCount;
 
 use super::{other_unit, plural};
 
@@ -81,6 +83,7 @@ fn on_the_samples(note: &Note) -> Option<String> {
                  is {is}"
             )
         }
+        Note::ClockSteps { steps } => clock_steps(steps),
         Note::TimesOutsideLog => "the samples have times before the log's first message or after its last, so a \
                                   player shows the new topics apart from the others; --time says what the time of a \
                                   sample is"
@@ -113,6 +116,31 @@ fn on_the_samples(note: &Note) -> Option<String> {
         ),
         _ => return None,
     })
+}
+
+/// The first of them; there may be thousands.
+fn clock_steps(steps: &[ClockStep]) -> String {
+    const NAMED: usize = 3;
+    let seconds = |time: u64| format!("{}.{:03} s", time / 1_000_000_000, time / 1_000_000 % 1000);
+    let named = steps.iter().take(NAMED).map(|step| {
+        format!(
+            "by {:.3} s on {} at its message {} (from {} to {})",
+            step.seconds(),
+            step.topic,
+            HumanCount(step.message),
+            seconds(step.before),
+            seconds(step.after)
+        )
+    });
+    let named = text::join(named, ", ");
+    let more = match steps.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(", and {more} more times"),
+    };
+    format!(
+        "time goes back {named}{more}, as where a clock was set or a recorder was restarted; what comes after is \
+         processed by itself"
+    )
 }
 
 fn on_ros2(note: &Note) -> Option<String> {

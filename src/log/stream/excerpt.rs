@@ -94,6 +94,7 @@ impl<F: FnMut(Passing) -> bool> Excerpt<F> {
                 definitions: original.contents.definitions.clone(),
                 segments: segments.collect(),
                 statistics: original.contents.statistics.clone(),
+                steps_back: original.contents.steps_back.clone(),
                 ..Contents::default()
             },
             data_end: file.length(),

@@ -35,8 +35,10 @@ fn first(log: Logbook, request: &Request) -> Option<UndecodableMessage> {
     let (_folder, path) = log.finish();
     let log = Log::open(&path).expect("a log");
     let source = Source::select(&log, request).expect("a source");
-    let read = Reader::new(&log, source).for_each(|_, _| Ok::<_, ReadError>(()));
-    read.expect("a readable log").0.undecodable(Kind::Attitude)
+    let reader = Reader::new(&log, source).expect("a readable log");
+    let read = reader.for_each(|_| Ok::<_, ReadError>(()));
+    let source = read.expect("a readable log").source;
+    source.undecodable(Kind::Attitude)
 }
 
 /// What is wrong with a JSON message after others that are whole.

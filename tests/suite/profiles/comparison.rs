@@ -48,11 +48,13 @@ pub fn read(log: &[u8], request: &Request) -> Result<Readings, String> {
     let source = Source::select(&log, request).map_err(|error| error.to_string())?;
     let profile = source.profile.name.clone();
     let mut samples = Vec::new();
-    let read = Reader::new(&log, source).for_each(|sample, _| {
-        samples.push(sample);
-        Ok::<_, ReadError>(())
+    let read = Reader::new(&log, source).and_then(|reader| {
+        reader.for_each(|arrival| {
+            samples.push(arrival.sample);
+            Ok::<_, ReadError>(())
+        })
     });
-    let (_, dropped) = read.map_err(|error| error.to_string())?;
+    let dropped = read.map_err(|error| error.to_string())?.dropped;
     Ok(Readings {
         profile,
         samples,

@@ -90,12 +90,12 @@ fn progress_grows_to_the_total() {
     let folder = Folder::with(LOG, log);
     let log = Log::open(&folder.path(LOG)).expect("a log");
     let source = Source::select(&log, &request(PROFILE)).expect("a source");
-    let reader = Reader::new(&log, source);
+    let reader = Reader::new(&log, source).expect("a reader");
     let total = reader.bytes_total();
     assert!(total > 5_000_000);
     let mut progress = Vec::new();
-    let outcome = reader.for_each(|_, read| {
-        progress.push(read);
+    let outcome = reader.for_each(|arrival| {
+        progress.push(arrival.bytes_read);
         Ok::<_, ReadError>(())
     });
     outcome.expect("a readable log");

@@ -19,9 +19,11 @@ fn read(topics: &[Topic], request: &Request) -> (Source, Tallies) {
     let folder = Folder::with(LOG, log(topics));
     let log = Log::open(&folder.path(LOG)).expect("a log");
     let source = Source::select(&log, request).expect("telemetry");
-    Reader::new(&log, source)
-        .for_each(|_, _| Ok::<_, ReadError>(()))
-        .expect("samples")
+    let reader = Reader::new(&log, source).expect("a log");
+    let read = reader
+        .for_each(|_| Ok::<_, ReadError>(()))
+        .expect("samples");
+    (read.source, read.dropped)
 }
 
 /// A message with these values at these paths.

@@ -317,11 +317,11 @@ fn the_report_says_which_axes_were_taken_and_why() {
         let folder = Folder::with("log.mcap", recording.log());
         let log = flightcam::log::Log::open(&folder.path("log.mcap")).expect("a log");
         let source = flightcam::source::Source::select(&log, given).expect("telemetry");
-        let reader = flightcam::reader::Reader::new(&log, source);
-        let (source, _) = reader
-            .for_each(|_, _| Ok::<_, flightcam::log::ReadError>(()))
+        let reader = flightcam::reader::Reader::new(&log, source).expect("a log");
+        let read = reader
+            .for_each(|_| Ok::<_, flightcam::log::ReadError>(()))
             .expect("samples");
-        let [read_as] = &source.read_as(Kind::Attitude)[..] else {
+        let [read_as] = &read.source.read_as(Kind::Attitude)[..] else {
             panic!("one way of reading");
         };
         (read_as.because, read_as.frames.len())

@@ -28,11 +28,13 @@ fn read(topics: &[Topic], request: &Request, kinds: &[Kind]) -> (Vec<Sample>, Ta
         .keep(&log, request, &kinds.iter().copied().collect())
         .expect("the same source");
     let mut samples = Vec::new();
-    let read = Reader::new(&log, source).for_each(|sample, _| {
-        samples.push(sample);
-        Ok::<_, ReadError>(())
+    let read = Reader::new(&log, source).and_then(|reader| {
+        reader.for_each(|arrival| {
+            samples.push(arrival.sample);
+            Ok::<_, ReadError>(())
+        })
     });
-    (samples, read.expect("a readable log").1)
+    (samples, read.expect("a readable log").dropped)
 }
 
 fn of_profile(toml: &str) -> Request {

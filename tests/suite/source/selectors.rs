@@ -37,12 +37,13 @@ fn read(topics: &[Topic], request: &Request) -> (Source, Vec<Sample>, Tallies) {
     let log = Log::open(&folder.path(LOG)).expect("a log");
     let source = Source::select(&log, request).expect("a source");
     let mut samples = Vec::new();
-    let read = Reader::new(&log, source).for_each(|sample, _| {
-        samples.push(sample);
+    let reader = Reader::new(&log, source).expect("a readable log");
+    let read = reader.for_each(|arrival| {
+        samples.push(arrival.sample);
         Ok::<_, ReadError>(())
     });
-    let (source, tallies) = read.expect("a readable log");
-    (source, samples, tallies)
+    let read = read.expect("a readable log");
+    (read.source, samples, read.dropped)
 }
 
 fn pitches(samples: &[Sample]) -> Vec<f64> {

@@ -161,12 +161,14 @@ pub const LOGGED: fn(&Message) -> u64 = |message| message.time;
 pub fn read_with(
     log: &[u8],
     profile: &str,
-    take: impl FnMut(Sample, u64) -> Result<(), Error>,
+    mut take: impl FnMut(Sample, u64) -> Result<(), Error>,
 ) -> Result<(Source, Tallies), Error> {
     let folder = Folder::with(LOG, log);
     let log = Log::open(&folder.path(LOG))?;
     let source = Source::select(&log, &request(profile))?;
-    Reader::new(&log, source).for_each(take)
+    let read =
+        Reader::new(&log, source)?.for_each(|arrival| take(arrival.sample, arrival.bytes_read))?;
+    Ok((read.source, read.dropped))
 }
 
 /// The samples that were read, and the error that ended the reading or its results.

@@ -67,11 +67,13 @@ pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), 
         source.channel_ids(),
     );
     let mut samples = Vec::new();
-    let read = Reader::new(log, source).for_each(|sample, _| {
-        samples.push(format!("{sample:?}"));
-        Ok::<_, ReadError>(())
+    let read = Reader::new(log, source).and_then(|reader| {
+        reader.for_each(|arrival| {
+            samples.push(format!("{:?}", arrival.sample));
+            Ok::<_, ReadError>(())
+        })
     });
-    let (_, dropped) = read.map_err(|error| error.to_string())?;
+    let dropped = read.map_err(|error| error.to_string())?.dropped;
     samples.push(format!("{dropped:?}"));
     Ok((selected, samples))
 }

@@ -60,11 +60,11 @@ impl Logbook {
         let log = Log::open(&input)?;
         let source = Source::select(&log, &request(profile))?;
         let mut samples = Vec::new();
-        let (_, dropped) = Reader::new(&log, source).for_each(|sample, _| {
-            samples.push(sample);
+        let read = Reader::new(&log, source)?.for_each(|arrival| {
+            samples.push(arrival.sample);
             Ok::<_, Error>(())
         })?;
-        Ok((samples, dropped))
+        Ok((samples, read.dropped))
     }
 
     /// The velocities that a profile finds in the log, in NED.

@@ -13,8 +13,15 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 const MAX_GAP: f64 = 5.0;
-const NO_BREAKS: Breaks = Breaks { gaps: 0, resets: 0 };
-const ONE_GAP: Breaks = Breaks { gaps: 1, resets: 0 };
+const NO_BREAKS: Breaks = Breaks {
+    gaps: 0,
+    resets: 0,
+    clock_steps: 0,
+};
+const ONE_GAP: Breaks = Breaks {
+    gaps: 1,
+    ..NO_BREAKS
+};
 
 /// A moment, with a publish time of its own so that no other time can be mistaken for it.
 fn at(seconds: f64) -> Stamp {
@@ -201,7 +208,13 @@ mod relative_rotation {
             reset(0, 5.0, 20.0),
         ]);
         assert_eq!(run.turns(), [(2.0, 1.0, 10.0), (4.0, 1.0, 5.0)]);
-        assert_eq!(run.outcome.breaks, Breaks { gaps: 0, resets: 2 });
+        assert_eq!(
+            run.outcome.breaks,
+            Breaks {
+                resets: 2,
+                ..NO_BREAKS
+            }
+        );
         assert_eq!(run.outcome.tallies[Kind::Attitude].used, 5);
     }
 

@@ -71,7 +71,7 @@ fn the_json_report_has_every_number() {
         "motion": {},
         "attitude": attitude,
         "velocity": velocity,
-        "breaks": { "gaps": 0, "resets": 0 },
+        "breaks": { "gaps": 0, "resets": 0, "clock_steps": 0 },
         "written": [
             { "topic": "/camera/relative_rpy", "schema": "flightcam.v1.RelativeRpy", "messages": 3309 },
             { "topic": "/camera/velocity", "schema": "flightcam.v1.CameraVelocity", "messages": 3310 },
