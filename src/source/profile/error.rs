@@ -5,6 +5,7 @@ use std::{io, path::PathBuf};
 use crate::{
     decode::path::NotAPath,
     sample::Kind,
+    similar,
     source::pattern::VEHICLE,
     text::{self, Foreign},
 };
@@ -16,8 +17,9 @@ use crate::{
 #[allow(missing_docs)]
 pub enum ProfileError {
     #[error(
-        "unknown profile `{name}`: the built-in profiles are {}; \
+        "unknown profile `{name}`; {}the built-in profiles are {}; \
          a profile of your own is given as the path of a .toml file",
+        meant(name, built_in),
         text::join(built_in, ", ")
     )]
     Unknown {
@@ -69,8 +71,8 @@ pub enum Problem {
     },
 
     #[error(
-        "unknown key `{key}`{}; docs/profiles.md lists the keys of a profile",
-        meant.as_ref().map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
+        "unknown key `{key}`; {}docs/profiles.md lists the keys of a profile",
+        meant.as_ref().map_or_else(String::new, |meant| format!("did you mean `{meant}`? "))
     )]
     UnknownKey {
         key: Foreign,
@@ -154,6 +156,13 @@ fn in_one_line(error: &toml::de::Error) -> String {
     let text = error.to_string();
     let lines: Vec<&str> = text.lines().filter(|line| !line.is_empty()).collect();
     lines.join(", ")
+}
+
+/// Asks whether another profile was meant, if one has such a name.
+fn meant(name: &str, built_in: &[Foreign]) -> String {
+    let known = built_in.iter().map(Foreign::as_str);
+    similar::misspelt(name, known)
+        .map_or_else(String::new, |meant| format!("did you mean {meant}? "))
 }
 
 fn in_role(role: Kind) -> String {

@@ -91,7 +91,7 @@ fn an_unknown_profile_is_refused_with_the_known_names() {
         .map(|profile| profile.name)
         .collect();
     let message = format!(
-        "unknown profile `px4`: the built-in profiles are {}",
+        "unknown profile `px4`; the built-in profiles are {}",
         names.join(", ")
     );
     Folder::new().refuses("profiles px4", 2, &message);

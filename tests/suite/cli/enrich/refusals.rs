@@ -150,6 +150,11 @@ fn an_invalid_profile_is_refused_with_its_position_and_the_known_names() {
             2,
             "`px4` … px4-ulog, px4-ros2, mavros … flat, flat-deg … .toml",
         ),
+        (
+            "px4-ulgo",
+            2,
+            "unknown profile `px4-ulgo`; did you mean px4-ulog? the built-in profiles are",
+        ),
         ("torn.toml", 2, "torn.toml: not a profile … line 2"),
         (
             "typo.toml",
