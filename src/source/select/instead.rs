@@ -6,7 +6,7 @@ use mcap::records::Channel;
 
 use super::LogSearch;
 use crate::{
-    decode::path::FieldPath,
+    decode::{path::FieldPath, schema::MessageSchema},
     sample::Kind,
     similar,
     source::{
@@ -146,7 +146,10 @@ impl LogSearch<'_> {
             topic: &channel.topic,
             schema: self.schema_name(channel),
         };
-        let schema = self.schema(channel).ok()?;
+        // More of them may show more fields, but a stream does not keep more of all channels.
+        let examples = self.first_messages(channel).ok()?;
+        let schema = self.log.contents.schema_of(channel);
+        let schema = MessageSchema::of(channel, schema, &examples, self.proof).ok()?;
         let fits = |alternative: &&Alternative| {
             let mut binder = Binder::new(&schema, name);
             alternative.location.is_for(name.schema)

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     decode::{FirstMessages, Proof, path::FieldPath, schema::MessageSchema},
-    log::Log,
+    log::{Log, ReadError},
     sample::Kind,
     source::{
         bind::BindError,
@@ -280,6 +280,12 @@ impl<'a> LogSearch<'a> {
             self.examples,
             self.proof,
         )?)
+    }
+
+    /// The first messages of a channel, which a stream keeps whichever channels are wanted.
+    pub fn first_messages(&self, channel: &Channel) -> Result<FirstMessages<'static>, ReadError> {
+        let messages = self.examples.of(channel.id)?;
+        Ok(FirstMessages::Given(messages.to_vec()))
     }
 }
 
