@@ -277,7 +277,7 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
             let found = Telemetry::describe(&log, &mut source, options)?;
             notes.extend(Note::on_suspicious_angle(&source, &options.telemetry));
             notes.extend(Note::on_unmet_conditions(&source));
-            let mixed = source.check_sources(&log);
+            let mixed = source.check_sources(&log, &options.telemetry);
             let mixed = mixed.and_then(|()| source.check_angles(&log, &options.telemetry));
             let mixed = mixed.err().map(Error::from);
             problem = problem

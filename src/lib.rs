@@ -152,7 +152,7 @@ pub use restore::{Restored, restore};
 pub use run::{Input, Output};
 pub use sample::{DropReason, Kind, Stamp, Tallies, Tally};
 pub use source::{
-    Because, FoundValue, Id, NamedFrame, Origin, ReadAs, Reading, RefusedFrames, RunnerUp,
+    Because, FoundValue, NamedFrame, Origin, ReadAs, Reading, RefusedFrames, RunnerUp,
     UnmetCondition,
     profile::ProfileChoice,
     request::{BadArgument, HowAsked, Request, RoleArgument},

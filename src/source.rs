@@ -24,20 +24,21 @@ use serde::{Serialize, Serializer, ser::SerializeStruct};
 use crate::{
     decode::{
         Proof,
-        path::{FieldPath, Filter},
+        path::{FieldPath, Filter, MessagePath},
         trial::UnmetFilter,
     },
     log::{Log, record::RawMessage},
     sample::{DropReason, Kind, Sample},
     text::{self, Foreign},
 };
-use channel::{ChannelReader, UnmetTracker};
-pub use channel::{FoundValue, Id, OversizedAngle, RefusedFrames, UnmetCondition};
+use channel::{ChannelReader, MixedSources, UnmetTracker};
+pub use channel::{FoundValue, OversizedAngle, RefusedFrames, UnmetCondition};
 use error::{Misfit, TelemetryError};
 pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
-use request::Request;
+use request::{HowAsked, Request};
 use select::{Fit, Specificity};
+use selection::paths_of_source;
 use undecodable::UndecodableMessage;
 
 /// The telemetry of one log: which channels have it, and how to read their messages. Clones may each read some of the
@@ -197,7 +198,7 @@ impl Source {
     ///
     /// # Errors
     /// Those of a kind come from several, which a field tells apart.
-    pub fn check_sources(&self, log: &Log) -> Result<(), TelemetryError> {
+    pub fn check_sources(&self, log: &Log, request: &Request) -> Result<(), TelemetryError> {
         let mut mixed = self
             .channels
             .values()
@@ -208,9 +209,30 @@ impl Source {
                 path: log.file.path().into(),
                 topic: self.topic_of(mixed.kind),
                 role: mixed.kind,
+                example: self.example(&mixed, request).into(),
                 field: mixed.field,
                 ids: mixed.ids,
             }),
+        }
+    }
+
+    /// How to name the first of several sources.
+    fn example(&self, mixed: &MixedSources, request: &Request) -> Vec<MessagePath> {
+        let (Some(origin), Some(id)) = (self.role(mixed.kind), mixed.ids.first()) else {
+            return Vec::new();
+        };
+        let paths = paths_of_source(origin, &mixed.field, id);
+        match request.how_asked(mixed.kind, &self.profile) {
+            HowAsked::Argument => paths,
+            // The profile says which fields to read.
+            _ if paths.iter().all(|path| !path.filters.is_empty()) => {
+                let whole = |path| MessagePath {
+                    field: None,
+                    ..path
+                };
+                paths.into_iter().take(1).map(whole).collect()
+            }
+            _ => paths,
         }
     }
 

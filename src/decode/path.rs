@@ -67,7 +67,7 @@ impl FieldPath {
     }
 
     /// The path with these steps; `None` if there are none, or the first is not a name.
-    pub(super) fn of_steps(steps: Vec<PathStep>) -> Option<Self> {
+    pub(crate) fn of_steps(steps: Vec<PathStep>) -> Option<Self> {
         matches!(steps.first(), Some(PathStep::Name(_))).then_some(Self { steps })
     }
 
@@ -175,13 +175,34 @@ impl From<FieldPath> for String {
     }
 }
 
+impl fmt::Display for MessagePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let needs_quotes = |c| c != '/' && is_special(c);
+        let mut text = match self.topic.contains(needs_quotes) {
+            true => quoted(&self.topic),
+            false => self.topic.clone(),
+        };
+        for filter in &self.filters {
+            text.push_str(&format!("{{{}}}", String::from(filter.clone())));
+        }
+        if let Some(field) = &self.field {
+            text.push_str(&format!(".{}", String::from(field.clone())));
+        }
+        escaped(text).fmt(f)
+    }
+}
+
 /// A name as a path has it: in quotes if it has characters that mean something in paths or in arguments.
 pub(crate) fn written(name: &str) -> String {
-    let needs_quotes = |c: char| c.is_whitespace() || ".,:;/\\[]{}()<>\"'`=!@$&|".contains(c);
-    match name.is_empty() || name.contains(needs_quotes) {
+    match name.is_empty() || name.contains(is_special) {
         true => quoted(name),
         false => name.to_owned(),
     }
+}
+
+/// Whether a character means something in paths, in arguments or to a shell.
+fn is_special(c: char) -> bool {
+    c.is_whitespace() || ".,:;/\\[]{}()<>\"'`=!@$&|".contains(c)
 }
 
 /// A text in double quotes.

@@ -8,7 +8,7 @@ use crate::{error::Error, log::Log, options::Options, report::Derivation};
 /// They come from several sources, or they were certainly read wrongly and that is not to be trusted regardless.
 pub fn judge(derivation: &Derivation, log: &Log, options: &Options) -> Result<(), Error> {
     let source = &derivation.source;
-    source.check_sources(log)?;
+    source.check_sources(log, &options.telemetry)?;
     if !options.trust {
         source.check_angles(log, &options.telemetry)?;
     }

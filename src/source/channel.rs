@@ -13,7 +13,6 @@ use angles::AngleWatch;
 pub use angles::OversizedAngle;
 pub use frames::RefusedFrames;
 use frames::{Conversion, FrameTracker};
-pub use ids::Id;
 use ids::SeenIds;
 pub use unmet::{FoundValue, UnmetCondition, UnmetTracker};
 
@@ -29,7 +28,7 @@ use crate::{
     decode::{
         fault::Fault,
         field::Wanted,
-        path::FieldPath,
+        path::{FieldPath, Literal},
         schema::{MessageDecoder, MessageSchema},
         trial::{Trial, UnmetFilter},
         value::{FieldValue, Number, Slots, Undecodable},
@@ -80,7 +79,7 @@ pub struct MixedSources {
     /// The field that tells them apart.
     pub field: FieldPath,
     /// Its values.
-    pub ids: Vec<Id>,
+    pub ids: Vec<Literal>,
 }
 
 impl ChannelReader {

@@ -6,9 +6,12 @@ use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
 
 use serde::{Serialize, Serializer};
 
-use super::{Id, bind::BindError, profile::convention::AngleUnit, request::HowAsked};
+use super::{bind::BindError, profile::convention::AngleUnit, request::HowAsked};
 use crate::{
-    decode::{error::quote, path::FieldPath},
+    decode::{
+        error::quote,
+        path::{FieldPath, Literal, MessagePath},
+    },
     log::ReadError,
     sample::Kind,
     text::{self, Foreign},
@@ -133,7 +136,9 @@ pub enum TelemetryError {
         /// The field that tells them apart.
         field: FieldPath,
         /// Its values.
-        ids: Vec<Id>,
+        ids: Vec<Literal>,
+        /// How to name the first of them.
+        example: Box<[MessagePath]>,
     },
 
     /// The log cannot be read.

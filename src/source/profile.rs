@@ -167,6 +167,28 @@ impl Profile {
         &self.roles[role as usize]
     }
 
+    /// Reads what is in the attitude's own messages from those of the same source, if all of the attitude's alternatives
+    /// select the same.
+    pub(super) fn share_selection(&mut self) {
+        let [first, others @ ..] = self.alternatives(Kind::Attitude) else {
+            return;
+        };
+        let select = first.location.select.clone();
+        if others.iter().any(|other| other.location.select != select) {
+            return;
+        }
+        for alternative in self.roles.iter_mut().flatten() {
+            let Location {
+                topics,
+                select: own,
+                ..
+            } = &mut alternative.location;
+            if topics.is_empty() && own.is_empty() {
+                own.clone_from(&select);
+            }
+        }
+    }
+
     pub(super) fn alternatives_mut(&mut self, role: Kind) -> &mut Vec<Alternative> {
         &mut self.roles[role as usize]
     }

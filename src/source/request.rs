@@ -156,6 +156,12 @@ impl Request {
         for (&kind, argument) in &self.roles {
             replace(profile.alternatives_mut(kind), argument);
         }
+        if !matches!(
+            self.roles.get(&Kind::Attitude),
+            Some(RoleArgument::Fields(_))
+        ) {
+            profile.share_selection();
+        }
         if let Some(time) = &self.time {
             profile.time = time.clone();
             for kind in Kind::ALL {

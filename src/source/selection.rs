@@ -1,13 +1,53 @@
 //! Which messages of a channel are of the source that is meant, where several share a topic.
 
-use super::bind::{BoundRole, Reading};
+use super::{
+    Origin,
+    bind::{BoundRole, Reading},
+};
 use crate::{
     decode::{
+        path::{Comparison, FieldPath, Filter, Literal, MessagePath, PathStep},
         trial::{Trial, UnmetFilter, all_hold},
         value::Slots,
     },
     sample::DropReason,
 };
+
+/// The paths of a role's fields for one of several sources, which a field with this value tells apart: a filter for the
+/// elements of the list that the field is in, if it is in one, or else for messages.
+pub fn paths_of_source(origin: &Origin, id: &FieldPath, value: &Literal) -> Vec<MessagePath> {
+    let filter = |field| Filter {
+        field,
+        comparison: Comparison::Equal,
+        value: value.clone(),
+    };
+    let steps = id.steps();
+    let in_list = steps
+        .iter()
+        .rposition(|step| matches!(step, PathStep::Index(_)));
+    let of_elements = in_list.and_then(|place| {
+        let field = FieldPath::of_steps(steps[place + 1..].to_vec())?;
+        Some((place, PathStep::First(vec![filter(field)])))
+    });
+    let path = |field: &FieldPath| {
+        let mut path = MessagePath {
+            topic: origin.topic.as_str().to_owned(),
+            filters: Vec::new(),
+            field: Some(field.clone()),
+            quoted: true,
+        };
+        match &of_elements {
+            Some((place, first)) if field.steps().starts_with(&steps[..=*place]) => {
+                let mut steps = field.steps().to_vec();
+                steps[*place] = first.clone();
+                path.field = FieldPath::of_steps(steps);
+            }
+            _ => path.filters.push(filter(id.clone())),
+        }
+        path
+    };
+    origin.fields.iter().map(path).collect()
+}
 
 /// What is noted while the messages of a role are selected.
 #[derive(Debug, Clone)]

@@ -7,6 +7,7 @@ use flightcam::{
         error::{Misfit, OtherTopics, TelemetryError},
         request::{self, RoleArgument},
     },
+    text,
 };
 
 /// What the user can do about an error.
@@ -60,16 +61,15 @@ fn advice(error: &TelemetryError) -> Option<String> {
             "{}; --trust goes on regardless",
             other_unit(*role, *unit, asked)
         ),
-        TelemetryError::SeveralSources {
-            role,
-            topic,
-            field,
-            ids,
-            ..
-        } => {
-            let example = ids.first().map(|id| format!("{topic}{{{field}=={id}}}"));
+        TelemetryError::SeveralSources { role, example, .. } => {
+            let paths = text::join(example, ",");
+            // The units and axes come after the fields.
+            let words = match example.iter().any(|path| path.field.is_some()) {
+                true => ":…",
+                false => "",
+            };
             let option = format!("--{}", role.name());
-            choose_one(&option, example.as_deref().and_then(in_shell))
+            choose_one(&option, in_shell(&format!("{paths}{words}")))
         }
         TelemetryError::SeveralReadings { role, readings, .. } => {
             let role = role.name();

@@ -64,7 +64,8 @@ impl Literal {
         }
     }
 
-    fn equals(&self, value: &FieldValue) -> bool {
+    /// Whether a field has this value.
+    pub(crate) fn equals(&self, value: &FieldValue) -> bool {
         match self {
             Self::Number(number) => value.exact().is_some_and(|other| number.equals(other)),
             Self::Truth(truth) => {

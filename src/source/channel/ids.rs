@@ -1,10 +1,9 @@
 //! The sources that a channel's messages come from, by the fields that tell them apart.
 
-use std::fmt;
-
-use serde::{Serialize, Serializer};
-
-use crate::{decode::value::FieldValue, source::bind::BoundId, text::Foreign};
+use crate::{
+    decode::{path::Literal, value::FieldValue},
+    source::bind::BoundId,
+};
 
 /// A field that takes more values than this does not tell sources apart: it counts something.
 const MOST_SOURCES: usize = 16;
@@ -13,18 +12,9 @@ const MOST_SOURCES: usize = 16;
 #[derive(Debug, Clone, Default)]
 pub struct SeenIds {
     /// For each of the fields, the values in the order in which they were seen.
-    values: Vec<Vec<Id>>,
+    values: Vec<Vec<Literal>>,
     /// For each, which of them the last message had.
     last: Vec<usize>,
-}
-
-/// A value that identifies a source.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Id {
-    /// A number.
-    Number(f64),
-    /// A text.
-    Text(Foreign),
 }
 
 impl SeenIds {
@@ -34,13 +24,13 @@ impl SeenIds {
         self.last.resize(ids.len(), 0);
         for ((id, known), last) in ids.iter().zip(&mut self.values).zip(&mut self.last) {
             let value = &values[id.slot];
-            if known.get(*last).is_some_and(|known| known.is(value)) {
+            if known.get(*last).is_some_and(|known| known.equals(value)) {
                 continue;
             }
-            let place = known.iter().position(|known| known.is(value));
+            let place = known.iter().position(|known| known.equals(value));
             *last = place.unwrap_or_else(|| {
                 if known.len() <= MOST_SOURCES {
-                    known.extend(Id::of(value));
+                    known.extend(Literal::of(value));
                 }
                 known.len().saturating_sub(1)
             });
@@ -62,48 +52,11 @@ impl SeenIds {
     }
 
     /// The first field that had several values, by its place among the fields, and these.
-    pub fn several(&self) -> Option<(usize, &[Id])> {
+    pub fn several(&self) -> Option<(usize, &[Literal])> {
         let several = 2..=MOST_SOURCES;
         let mut fields = self.values.iter().enumerate();
         fields
             .find(|(_, values)| several.contains(&values.len()))
             .map(|(place, values)| (place, values.as_slice()))
-    }
-}
-
-impl Id {
-    fn of(value: &FieldValue) -> Option<Self> {
-        let text = || {
-            value
-                .text()
-                .map(|text| Self::Text(String::from_utf8_lossy(text).as_ref().into()))
-        };
-        value.number().map(Self::Number).or_else(text)
-    }
-
-    fn is(&self, value: &FieldValue) -> bool {
-        match self {
-            Self::Number(known) => value.number() == Some(*known),
-            Self::Text(known) => value.text() == Some(known.as_str().as_bytes()),
-        }
-    }
-}
-
-/// As a selector in a path writes it.
-impl fmt::Display for Id {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(number) => number.fmt(f),
-            Self::Text(text) => write!(f, "\"{text}\""),
-        }
-    }
-}
-
-impl Serialize for Id {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Number(number) => number.serialize(serializer),
-            Self::Text(text) => text.serialize(serializer),
-        }
     }
 }

@@ -7,7 +7,7 @@ use super::{
     parts::{Parts, REFERENCES, TIME_UNITS, Words, vocabulary},
 };
 use crate::{
-    decode::path::{FieldPath, Filter},
+    decode::path::{FieldPath, Filter, split},
     sample::{GimbalReference, Kind},
     source::profile::{
         Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
@@ -201,20 +201,18 @@ impl FromStr for SampleTime {
     type Err = BadArgument;
 
     fn from_str(text: &str) -> Result<Self, BadArgument> {
-        let (path, unit) = match text.split_once(':') {
-            Some((path, unit)) => (path, Some(unit)),
-            None => (text, None),
-        };
-        match (path, unit) {
-            ("log", None) => Ok(Self::LogTime),
-            ("publish", None) => Ok(Self::PublishTime),
-            (path, unit) => {
-                let mut words = Words(unit.map(str::to_owned).into_iter().collect());
+        match split(text, ':').as_slice() {
+            ["log"] => Ok(Self::LogTime),
+            ["publish"] => Ok(Self::PublishTime),
+            [] => Err(BadArgument::NotATime { path: text.into() }),
+            [path, words @ ..] => {
+                let mut words = Words(words.iter().map(|&word| word.to_owned()).collect());
                 words.check(TIME_UNITS)?;
-                let path = path
-                    .parse()
-                    .map_err(|_| BadArgument::NotATime { path: path.into() })?;
+                let path = path.parse().map_err(|_| BadArgument::NotATime {
+                    path: (*path).into(),
+                })?;
                 let unit = words.take();
+                words.finish()?;
                 Ok(Self::Field(TimeField { path, unit }))
             }
         }

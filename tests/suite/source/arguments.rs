@@ -169,7 +169,7 @@ mod attitude {
                 fields: Components::Together(field(path)),
                 order: QuaternionOrder::Xyzw,
             });
-            source("/a", orientation, Some(Convention::FRD_NED))
+            source("/a", orientation, None)
         };
         let expected = Alternative {
             location: Location {
@@ -512,6 +512,10 @@ fn a_time_is_the_logs_the_publishers_or_a_fields() {
         ("t[1]:ms", of_field("t[1]", Some(TimeUnit::Milliseconds))),
         ("t:s", of_field("t", Some(TimeUnit::Seconds))),
         ("t:ns", of_field("t", Some(TimeUnit::Nanoseconds))),
+        (
+            r#""t:a"[:]{n==":"}.t:s"#,
+            of_field(r#""t:a"[:]{n==":"}.t"#, Some(TimeUnit::Seconds)),
+        ),
     ] {
         assert_eq!(argument.parse(), Ok(expected), "{argument}");
     }

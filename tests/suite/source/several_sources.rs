@@ -48,6 +48,65 @@ fn sources_that_a_field_tells_apart_are_an_error_that_lists_them() {
     folder.refuses(&format!("enrich {LOG} --depression 30"), 1, words);
 }
 
+/// What the hint of an error says to type, with words in the place of `…`.
+fn hinted(folder: &Folder, arguments: &[&str], words: &str) -> Vec<String> {
+    let (code, _, err) =
+        folder.run_with(&[&["enrich", LOG, "--depression", "30", "--force"], arguments].concat());
+    assert_eq!(code, 1, "{err}");
+    let (_, hint) = err
+        .split_once("for instance with ")
+        .unwrap_or_else(|| panic!("{err}"));
+    let (option, value) = hint
+        .trim()
+        .split_once(' ')
+        .expect("an option and its value");
+    let value = value.trim_matches('\'').replace("…", words);
+    vec![option.to_owned(), value]
+}
+
+#[test]
+fn what_the_hint_says_chooses_one_source() {
+    let folder = Folder::with(
+        LOG,
+        log(&[with_ids(100, |n| json!({ "vehicle_id": 1 + n % 2 }))]),
+    );
+    let chosen = hinted(&folder, &[], "");
+    assert_eq!(chosen, ["--attitude", "/state{vehicle_id==1}"]);
+    // What else is in these messages is that source's, too.
+    let report = folder.reports(
+        &format!("enrich {LOG} --depression 30 {}", chosen.join(" ")),
+        0,
+    );
+    for kind in ["attitude", "velocity"] {
+        assert_eq!(report[kind]["used"], 50, "{kind}");
+        assert_eq!(report[kind]["unselected"], 50, "{kind}");
+    }
+
+    let given = "/state.roll,/state.pitch,/state.yaw:radians";
+    let chosen = hinted(&folder, &["--attitude", given], "radians");
+    let expected = ["roll", "pitch", "yaw"].map(|name| format!("/state{{vehicle_id==1}}.{name}"));
+    assert_eq!(chosen, ["--attitude", &(expected.join(",") + ":radians")]);
+}
+
+#[test]
+fn what_the_hint_says_chooses_one_element_of_a_list() {
+    let transforms = (0..60).map(|n| {
+        let transform = |name: &str, w: f64| json!({ "child_frame_id": name, "q": [w, 1.0, 0, 0] });
+        let [a, b] = [transform("a", 0.01 * f64::from(n)), transform("b", 1.0)];
+        json!({ "transforms": if n % 2 == 0 { [a, b] } else { [b, a] } })
+    });
+    let folder = Folder::with(LOG, log(&[topic("/tf", transforms)]));
+    let given = ["--attitude", "/tf.transforms[0].q:frd-ned"];
+    let chosen = hinted(&folder, &given, "frd-ned");
+    let path = r#"/tf.transforms[:]{child_frame_id=="a"}.q:frd-ned"#;
+    assert_eq!(chosen, ["--attitude", path]);
+    let report = folder.reports(
+        &format!("enrich {LOG} --depression 30 {}", chosen.join(" ")),
+        0,
+    );
+    assert_eq!(report["attitude"]["used"], 60);
+}
+
 #[test]
 fn an_id_that_does_not_change_and_a_count_are_no_sources() {
     for id in [
