@@ -100,8 +100,8 @@ impl<W: Write> LogWriter for Interleaver<'_, W> {
     }
 
     fn go_to_epoch(&mut self, epoch: u32) -> Result<(), WriteError> {
-        let begun = self.epoch_starts.iter().take(epoch as usize);
-        if let Some(&start) = begun.last() {
+        let mut begun = self.epoch_starts.iter().take(epoch as usize);
+        if let Some(&start) = begun.next_back() {
             while self.written < start {
                 self.write_batch()?;
                 self.write_piece()?;

@@ -120,11 +120,17 @@ fn the_requested_encoding_is_written_and_the_advice_names_its_fields() {
 }
 
 #[test]
-fn degrees_are_read_with_flat_deg_and_suspected_without_it() {
+fn degrees_are_read_with_flat_deg_and_refused_without_it() {
+    let folder = Folder::with(LOG, state_log(PI / 180.0));
+    folder.refuses(
+        &enrich(""),
+        1,
+        "use --profile flat-deg; --trust goes on regardless",
+    );
     let [radians, degrees, mistaken] = [
         (1.0, "", false),
         (PI / 180.0, "--profile flat-deg", false),
-        (PI / 180.0, "", true),
+        (PI / 180.0, "--trust", true),
     ]
     .map(|(unit, arguments, suspected)| {
         let folder = Folder::with(LOG, state_log(unit));

@@ -98,7 +98,7 @@ fn what_is_missing_is_shown_with_its_names() {
 fn a_note_shows_names_in_its_line() {
     let degrees = topic(NASTY, states(400, 1.0f64.to_radians()));
     let folder = Folder::with(LOG, log(&[degrees]));
-    let shown = shows_name(&folder, &enrich(&[]), 0);
+    let shown = shows_name(&folder, &enrich(&["--trust"]), 0);
     assert!(
         shown.contains(&format!("Note        {PRINTED} has an angle of")),
         "{shown}"

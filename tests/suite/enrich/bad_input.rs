@@ -179,9 +179,8 @@ mod fields {
             ),
         ] {
             let attitude = format!("--attitude /pose.{field},/pose.v[0],/pose.v[1]:degrees");
-            let message = format!(
-                "attitude does not fit: /pose: its … {problem} … /pose … --attitude"
-            );
+            let message =
+                format!("attitude does not fit: /pose: its … {problem} … /pose … --attitude");
             let message = message
                 .replace("its … no field", "it has no field")
                 .replace("its … field", "its field");
