@@ -279,7 +279,7 @@ fn the_advice_on_degrees_fits_how_the_angles_were_asked_for() {
         ("--profile flat", "use --profile flat-deg", "built_in"),
         (
             "--attitude /state.roll,/state.pitch,/state.yaw:radians",
-            "put :degrees after the fields of --attitude instead of :radians",
+            "put :degrees after the fields of --attitude",
             "argument",
         ),
         (
@@ -289,6 +289,9 @@ fn the_advice_on_degrees_fits_how_the_angles_were_asked_for() {
         ),
     ] {
         let command = format!("enrich {LOG} --depression 30 --force {arguments}");
+        let words = format!("cannot be radians … if they are degrees, {advice}");
+        folder.refuses(&command, 1, &words);
+        let command = format!("{command} --trust");
         let report = folder.writes(RESULT, &command, 0);
         assert_reads(
             &report,
