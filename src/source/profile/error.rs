@@ -161,8 +161,9 @@ fn in_one_line(error: &toml::de::Error) -> String {
 /// Asks whether another profile was meant, if one has such a name.
 fn meant(name: &str, built_in: &[Foreign]) -> String {
     let known = built_in.iter().map(Foreign::as_str);
-    similar::misspelt(name, known)
-        .map_or_else(String::new, |meant| format!("did you mean {meant}? "))
+    similar::misspelt(name, known).map_or_else(String::new, |meant| {
+        format!("did you mean {}? ", Foreign::from(meant))
+    })
 }
 
 fn in_role(role: Kind) -> String {
