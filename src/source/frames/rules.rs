@@ -111,11 +111,38 @@ const fn vector(frame: &'static str, world: Option<&'static str>) -> Frames {
     Frames::Vector { frame, world }
 }
 
-const fn not_valid(field: &'static str, holds: Holds, reason: DropReason) -> NotValid {
+/// A rule for a field whose type says nothing about frames, but marks values.
+const fn marked(
+    types: &'static [&'static str],
+    field: &'static str,
+    not_valid: &'static [NotValid],
+) -> TypeRule {
+    TypeRule {
+        not_valid,
+        ..rule(types, field, Frames::Open)
+    }
+}
+
+/// A field that marks a value as not valid by what it holds.
+const fn mark(field: &'static str, holds: Holds) -> NotValid {
     NotValid {
         field,
         holds,
-        reason,
+        reason: DropReason::MarkedInvalid,
+    }
+}
+
+/// A flag that is set if the value is valid.
+const fn flag(field: &'static str) -> NotValid {
+    mark(field, Holds::Exactly(0.0))
+}
+
+/// A field whose value leaves the frame unknown.
+const fn unknown_frame(field: &'static str, holds: Holds) -> NotValid {
+    NotValid {
+        field,
+        holds,
+        reason: DropReason::UnknownFrame,
     }
 }
 
@@ -144,11 +171,8 @@ const RULES: &[TypeRule] = &[
     // MAVROS writes east, north and, before June 2026, down; up since. The child_frame_id is base_link all the same.
     // Sources: https://github.com/mavlink/mavros/issues/2054, https://github.com/mavlink/mavros/pull/2226
     TypeRule {
-        types: &["nav_msgs/Odometry"],
         topic: "/global_position/local",
-        field: "twist.twist.linear",
-        frames: Frames::Broken,
-        not_valid: &[],
+        ..rule(&["nav_msgs/Odometry"], "twist.twist.linear", Frames::Broken)
     },
     rule(
         &["nav_msgs/Odometry"],
@@ -159,15 +183,16 @@ const RULES: &[TypeRule] = &[
     // produce an orientation estimate), please set element 0 of the associated covariance matrix to -1". The header
     // names the sensor's own frame; its axes are those of REP 145 (https://www.ros.org/reps/rep-0145.html).
     TypeRule {
-        types: &["sensor_msgs/Imu"],
-        topic: "",
-        field: "orientation",
-        frames: orientation(None, HEADER, ROS),
-        not_valid: &[not_valid(
-            "orientation_covariance[0]",
-            Holds::Exactly(-1.0),
-            DropReason::NoOrientation,
-        )],
+        not_valid: &[NotValid {
+            field: "orientation_covariance[0]",
+            holds: Holds::Exactly(-1.0),
+            reason: DropReason::NoOrientation,
+        }],
+        ..rule(
+            &["sensor_msgs/Imu"],
+            "orientation",
+            orientation(None, HEADER, ROS),
+        )
     },
     rule(
         &[
@@ -242,17 +267,11 @@ const RULES: &[TypeRule] = &[
         vector("header.frame_id", None),
     ),
     // "STATUS_NO_FIX = -1".
-    TypeRule {
-        types: &["sensor_msgs/NavSatFix"],
-        topic: "",
-        field: "latitude",
-        frames: Frames::Open,
-        not_valid: &[not_valid(
-            "status.status",
-            Holds::Exactly(-1.0),
-            DropReason::MarkedInvalid,
-        )],
-    },
+    marked(
+        &["sensor_msgs/NavSatFix"],
+        "latitude",
+        &[mark("status.status", Holds::Exactly(-1.0))],
+    ),
     // "Position and orientation of body_frame_id in frame_id"; "Linear velocity in m/s in body_frame_id"; "following
     // conventions from ROS `nav_msgs/Odometry`" (https://github.com/foxglove/foxglove-sdk/pull/1041).
     rule(
@@ -303,100 +322,51 @@ const RULES: &[TypeRule] = &[
     ),
     // "POSE_FRAME_NED = 1"; UNKNOWN = 0, and FRD = 2 has a "constant arbitrary heading offset from True North".
     TypeRule {
-        types: &["px4_msgs/VehicleOdometry", "vehicle_odometry"],
-        topic: "",
-        field: "q",
-        frames: orientation(None, None, PX4),
-        not_valid: &[not_valid(
-            "pose_frame",
-            Holds::OtherThan(1.0),
-            DropReason::UnknownFrame,
-        )],
+        not_valid: &[unknown_frame("pose_frame", Holds::OtherThan(1.0))],
+        ..rule(
+            &["px4_msgs/VehicleOdometry", "vehicle_odometry"],
+            "q",
+            orientation(None, None, PX4),
+        )
     },
     // "VELOCITY_FRAME_UNKNOWN = 0".
-    TypeRule {
-        types: &["px4_msgs/VehicleOdometry", "vehicle_odometry"],
-        topic: "",
-        field: "velocity",
-        frames: Frames::Open,
-        not_valid: &[not_valid(
-            "velocity_frame",
-            Holds::Exactly(0.0),
-            DropReason::UnknownFrame,
-        )],
-    },
+    marked(
+        &["px4_msgs/VehicleOdometry", "vehicle_odometry"],
+        "velocity",
+        &[unknown_frame("velocity_frame", Holds::Exactly(0.0))],
+    ),
     // "v_xy_valid: true if vx and vy are valid", and the like.
-    TypeRule {
-        types: &["px4_msgs/VehicleLocalPosition", "vehicle_local_position"],
-        topic: "",
-        field: "vx",
-        frames: Frames::Open,
-        not_valid: &[
-            not_valid("v_xy_valid", Holds::Exactly(0.0), DropReason::MarkedInvalid),
-            not_valid("v_z_valid", Holds::Exactly(0.0), DropReason::MarkedInvalid),
-        ],
-    },
-    TypeRule {
-        types: &["px4_msgs/VehicleLocalPosition", "vehicle_local_position"],
-        topic: "",
-        field: "x",
-        frames: Frames::Open,
-        not_valid: &[
-            not_valid("xy_valid", Holds::Exactly(0.0), DropReason::MarkedInvalid),
-            not_valid("z_valid", Holds::Exactly(0.0), DropReason::MarkedInvalid),
-        ],
-    },
-    TypeRule {
-        types: &["px4_msgs/VehicleGlobalPosition", "vehicle_global_position"],
-        topic: "",
-        field: "lat",
-        frames: Frames::Open,
-        not_valid: &[
-            not_valid(
-                "lat_lon_valid",
-                Holds::Exactly(0.0),
-                DropReason::MarkedInvalid,
-            ),
-            not_valid("alt_valid", Holds::Exactly(0.0), DropReason::MarkedInvalid),
-        ],
-    },
+    marked(
+        &["px4_msgs/VehicleLocalPosition", "vehicle_local_position"],
+        "vx",
+        &[flag("v_xy_valid"), flag("v_z_valid")],
+    ),
+    marked(
+        &["px4_msgs/VehicleLocalPosition", "vehicle_local_position"],
+        "x",
+        &[flag("xy_valid"), flag("z_valid")],
+    ),
+    marked(
+        &["px4_msgs/VehicleGlobalPosition", "vehicle_global_position"],
+        "lat",
+        &[flag("lat_lon_valid"), flag("alt_valid")],
+    ),
     // "fix_type: 0-1: no fix, 2: 2D fix, 3: 3D fix", "vel_ned_valid: True if NED velocity is valid".
-    TypeRule {
-        types: &["px4_msgs/SensorGps", "vehicle_gps_position", "sensor_gps"],
-        topic: "",
-        field: "vel_n_m_s",
-        frames: Frames::Open,
-        not_valid: &[
-            not_valid(
-                "vel_ned_valid",
-                Holds::Exactly(0.0),
-                DropReason::MarkedInvalid,
-            ),
-            not_valid("fix_type", Holds::Below(2.0), DropReason::MarkedInvalid),
-        ],
-    },
-    TypeRule {
-        types: &["px4_msgs/SensorGps", "vehicle_gps_position", "sensor_gps"],
-        topic: "",
-        field: "latitude_deg",
-        frames: Frames::Open,
-        not_valid: &[not_valid(
-            "fix_type",
-            Holds::Below(2.0),
-            DropReason::MarkedInvalid,
-        )],
-    },
-    TypeRule {
-        types: &["px4_msgs/SensorGps", "vehicle_gps_position", "sensor_gps"],
-        topic: "",
-        field: "lat",
-        frames: Frames::Open,
-        not_valid: &[not_valid(
-            "fix_type",
-            Holds::Below(2.0),
-            DropReason::MarkedInvalid,
-        )],
-    },
+    marked(
+        &["px4_msgs/SensorGps", "vehicle_gps_position", "sensor_gps"],
+        "vel_n_m_s",
+        &[flag("vel_ned_valid"), mark("fix_type", Holds::Below(2.0))],
+    ),
+    marked(
+        &["px4_msgs/SensorGps", "vehicle_gps_position", "sensor_gps"],
+        "latitude_deg",
+        &[mark("fix_type", Holds::Below(2.0))],
+    ),
+    marked(
+        &["px4_msgs/SensorGps", "vehicle_gps_position", "sensor_gps"],
+        "lat",
+        &[mark("fix_type", Holds::Below(2.0))],
+    ),
     // "Quaternion components, w, x, y, z", in the axes of NED.
     // Source: https://github.com/mavlink/mavlink/blob/de1e078a/message_definitions/v1.0/common.xml#L7580
     rule(
