@@ -94,7 +94,7 @@ impl ChannelReader {
             selection: Selection::new(role, &slots),
             frames: vec![FrameTracker::default(); role.readings.len()],
             angles: vec![AngleWatch::default(); role.readings.len()],
-            ids: SeenIds::default(),
+            ids: SeenIds::new(&role.ids),
             unmet: UnmetTracker::new(role, wanted),
         });
         Ok(Self {

@@ -9,7 +9,7 @@ use crate::{
 const MOST_SOURCES: usize = 16;
 
 /// The values of the fields that tell sources apart, in the messages that were read.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct SeenIds {
     /// For each of the fields, the values in the order in which they were seen.
     values: Vec<Vec<Literal>>,
@@ -18,10 +18,16 @@ pub struct SeenIds {
 }
 
 impl SeenIds {
+    /// Begins with no value of any of these fields.
+    pub fn new(ids: &[BoundId]) -> Self {
+        Self {
+            values: vec![Vec::new(); ids.len()],
+            last: vec![0; ids.len()],
+        }
+    }
+
     /// Notes the source of a message.
     pub fn note(&mut self, ids: &[BoundId], values: &[FieldValue]) {
-        self.values.resize(ids.len(), Vec::new());
-        self.last.resize(ids.len(), 0);
         for ((id, known), last) in ids.iter().zip(&mut self.values).zip(&mut self.last) {
             let value = &values[id.slot];
             if known.get(*last).is_some_and(|known| known.equals(value)) {
@@ -39,9 +45,6 @@ impl SeenIds {
 
     /// Adds what a clone has seen in other messages.
     pub fn merge(&mut self, clone: &Self) {
-        self.values
-            .resize(clone.values.len().max(self.values.len()), Vec::new());
-        self.last.resize(self.values.len(), 0);
         for (known, more) in self.values.iter_mut().zip(&clone.values) {
             for id in more {
                 if !known.contains(id) && known.len() <= MOST_SOURCES {
