@@ -72,14 +72,22 @@ impl<'a> HeldBack<'a> {
         let Some(log) = self.log else {
             return Ok(false);
         };
-        let failed = |source| WriteError::output(&self.name, source);
-        let end = log.data_end..log.file.length();
-        copy_range(&log.file, end, &mut self.stream, failed, |_| {
-            ControlFlow::Continue(())
-        })?;
-        self.stream.flush().map_err(failed)?;
+        pass_on_end(log, &self.name, &mut self.stream)?;
         Ok(true)
     }
+}
+
+/// Writes a log's own end to a stream of this name that has the log's data.
+///
+/// # Errors
+/// The stream cannot be written, or the log cannot be read.
+pub fn pass_on_end(log: &Log, name: &Path, mut stream: impl Write) -> Result<(), WriteError> {
+    let failed = |source| WriteError::output(name, source);
+    let end = log.data_end..log.file.length();
+    copy_range(&log.file, end, &mut stream, failed, |_| {
+        ControlFlow::Continue(())
+    })?;
+    stream.flush().map_err(failed)
 }
 
 fn temporary(source: io::Error) -> WriteError {

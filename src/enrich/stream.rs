@@ -3,11 +3,10 @@
 
 use std::{
     io::{self, Read, Write},
-    ops::ControlFlow,
     path::Path,
 };
 
-use super::{plan::Plan, target::Target, write};
+use super::{held_back::pass_on_end, plan::Plan, target::Target, write};
 use crate::{
     error::Error,
     log::{
@@ -19,8 +18,7 @@ use crate::{
     run::{Output, Run, RunError, Stopped},
     source::stream_filter::StreamFilter,
     writer::{
-        Layout, WriteError,
-        copy::copy_range,
+        Layout,
         destination::Destination,
         original::{Lost, Original},
     },
@@ -89,13 +87,7 @@ fn enrich_onward(
         if output.is_written_to {
             return Err(stopped);
         }
-        let failed = |source| WriteError::output(name, source);
-        let Log { file, data_end, .. } = &passed.original.log;
-        let end = *data_end..file.length();
-        copy_range(file, end, output.stream, failed, |_| {
-            ControlFlow::Continue(())
-        })?;
-        output.stream.flush().map_err(failed)?;
+        pass_on_end(&passed.original.log, name, &mut *output.stream)?;
         let cause = Box::new(run.explain(stopped));
         Err(RunError::PassedOn { cause }.into())
     })
