@@ -23,8 +23,14 @@ mod model {
     use super::*;
 
     pub struct Expected {
-        pub derived: Vec<(Stamp, Value)>,
+        pub derived: Vec<Derived>,
         pub outcome: Outcome,
+    }
+
+    pub struct Derived {
+        pub stamp: Stamp,
+        pub value: Value,
+        pub tolerance: f64,
     }
 
     pub enum Value {
@@ -74,12 +80,22 @@ mod model {
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle)
     }
 
-    fn heading(drone: UnitQuaternion<f64>) -> Result<f64, DropReason> {
+    struct Heading {
+        angle: f64,
+        /// What rounding makes of it, radians: the closer the nose is to the vertical, the more.
+        error: f64,
+    }
+
+    fn heading(drone: UnitQuaternion<f64>) -> Result<Heading, DropReason> {
         let nose = drone * Vector3::x();
-        if nose.xy().norm() < 1e-9 {
+        let level = nose.xy().norm();
+        if level < 1e-9 {
             return Err(DropReason::UndefinedHeading);
         }
-        Ok(nose.y.atan2(nose.x))
+        Ok(Heading {
+            angle: nose.y.atan2(nose.x),
+            error: 8.0 * f64::EPSILON / level,
+        })
     }
 
     fn is_used(camera: &Camera, sample: &Sample) -> bool {
@@ -135,28 +151,33 @@ mod model {
                 yaw_offset,
             } => {
                 let down = UnitQuaternion::from_euler_angles(0.0, -depression.radians(), 0.0);
-                Ok::<_, DropReason>(about_z(heading(drone)? + yaw_offset) * down)
+                let Heading { angle, error } = heading(drone)?;
+                Ok::<_, DropReason>((about_z(angle + yaw_offset) * down, error))
             }
             Camera::Fixed(mount) => {
                 let [roll, pitch, yaw] = mount.degrees().map(f64::to_radians);
-                Ok(drone * UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+                let mount = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+                Ok((drone * mount, 0.0))
             }
             Camera::Gimbal => match gimbal_at(time)? {
-                (gimbal, GimbalReference::Earth) => Ok(gimbal),
-                (gimbal, GimbalReference::Heading) => Ok(about_z(heading(drone)?) * gimbal),
-                (gimbal, GimbalReference::Airframe) => Ok(drone * gimbal),
+                (gimbal, GimbalReference::Earth) => Ok((gimbal, 0.0)),
+                (gimbal, GimbalReference::Heading) => {
+                    let Heading { angle, error } = heading(drone)?;
+                    Ok((about_z(angle) * gimbal, error))
+                }
+                (gimbal, GimbalReference::Airframe) => Ok((drone * gimbal, 0.0)),
             },
         };
 
         let mut derived = Vec::new();
-        let mut previous: Option<Oriented<Option<u64>>> = None;
+        let mut previous: Option<(Oriented<Option<u64>>, f64)> = None;
         for sample in firsts.iter().filter(|sample| sample.kind() != Kind::Gimbal) {
             let stamp = sample.stamp();
             let time = stamp.log_time;
             let known = drone_at(time)
                 .and_then(|(drone, resets)| Ok((drone, resets, camera_at(time, drone)?)));
             let tally = &mut outcome.tallies[sample.kind()];
-            let (drone, resets, camera) = match known {
+            let (drone, resets, (camera, error)) = match known {
                 Ok(known) => known,
                 Err(reason) => {
                     tally.count_dropped(reason, 1);
@@ -169,10 +190,15 @@ mod model {
                     Velocity::Ned(velocity) => velocity,
                     Velocity::Frd(velocity) => drone * velocity,
                 };
-                derived.push((stamp, Value::Velocity(camera.inverse() * velocity_ned)));
+                derived.push(Derived {
+                    stamp,
+                    value: Value::Velocity(camera.inverse() * velocity_ned),
+                    tolerance: TOLERANCE + error * velocity_ned.norm(),
+                });
                 continue;
             }
-            if let Some(before) = previous.replace((time, camera, resets)) {
+            if let Some((before, error_before)) = previous.replace(((time, camera, resets), error))
+            {
                 let interval = time - before.0;
                 if interval > MAX_GAP {
                     outcome.breaks.gaps += 1;
@@ -180,7 +206,11 @@ mod model {
                     outcome.breaks.resets += 1;
                 } else {
                     let turn = (before.1.inverse() * camera).to_rotation_matrix();
-                    derived.push((stamp, Value::Turn { interval, turn }));
+                    derived.push(Derived {
+                        stamp,
+                        value: Value::Turn { interval, turn },
+                        tolerance: TOLERANCE + error_before + error,
+                    });
                 }
             }
         }
@@ -261,8 +291,8 @@ fn any_camera() -> impl Strategy<Value = Camera> {
     prop_oneof![1 => stabilised, 1 => mount.prop_map(Camera::Fixed), 2 => Just(Camera::Gimbal)]
 }
 
-fn is_as_expected(actual: &Derived, expected: &(Stamp, model::Value)) -> bool {
-    let same_value = match (actual.value, &expected.1) {
+fn is_as_expected(actual: &Derived, expected: &model::Derived) -> bool {
+    let same_value = match (actual.value, &expected.value) {
         (
             Value::RelativeRpy { interval, rpy },
             model::Value::Turn {
@@ -271,14 +301,14 @@ fn is_as_expected(actual: &Derived, expected: &(Stamp, model::Value)) -> bool {
             },
         ) => {
             let error = (rpy.to_rotation().matrix() - turn.matrix()).norm();
-            interval == *as_long && error < TOLERANCE
+            interval == *as_long && error < expected.tolerance
         }
-        (Value::CameraVelocity(actual), model::Value::Velocity(expected)) => {
-            (actual - expected).norm() < TOLERANCE
+        (Value::CameraVelocity(actual), model::Value::Velocity(velocity)) => {
+            (actual - velocity).norm() < expected.tolerance
         }
         _ => false,
     };
-    actual.stamp == expected.0 && same_value
+    actual.stamp == expected.stamp && same_value
 }
 
 proptest! {
@@ -293,7 +323,7 @@ proptest! {
         for sample in &samples {
             transform.push(*sample, &mut derived);
             let now = sample.stamp().log_time;
-            let due = expected.derived.iter().filter(|d| now - d.0.log_time.min(now) > MAX_GAP);
+            let due = expected.derived.iter().filter(|d| now - d.stamp.log_time.min(now) > MAX_GAP);
             let is_read = camera == Camera::Gimbal || sample.kind() != Kind::Gimbal;
             prop_assert!(!is_read || derived.len() >= due.count(), "held back longer than a gap");
         }
