@@ -221,9 +221,11 @@ impl Order<'_> {
             match &mut epoch {
                 Some(epoch) if !self.leaves(epoch, &runs[number..]) => epoch.add(run),
                 epoch => {
-                    let next = Epoch::new(run, epoch.is_some());
-                    let start = next.start;
-                    starts.extend(epoch.replace(next).map(|before| (start, before.latest)));
+                    let before = epoch.replace(Epoch::new(run, number > 0));
+                    let earlier = number.checked_sub(1).map(|number| &runs[number]);
+                    starts.extend(before.zip(earlier).map(|(before, earlier)| {
+                        (self.start(run, earlier, before.latest), before.latest)
+                    }));
                 }
             }
         }
@@ -237,6 +239,18 @@ impl Order<'_> {
         self.repeats(epoch.start..run.messages.start, run)
             // What begins with a step has nothing before it.
             || is_first && (epoch.follows_step || self.is_apart(runs))
+    }
+
+    /// The first message of an epoch that a run is in. There may be some between that and the run before it.
+    fn start(&self, run: &Run, earlier: &Run, latest: u64) -> usize {
+        let between = earlier.messages.end..run.messages.start;
+        let mut next = run.start;
+        let belong = self.moments[between].iter().rev().take_while(|moment| {
+            let belongs = moment.time <= next && moment.time < latest.saturating_sub(LATE);
+            next = moment.time;
+            belongs
+        });
+        run.messages.start - belong.count()
     }
 
     fn runs(&self) -> impl Iterator<Item = Run> {
@@ -304,20 +318,19 @@ impl Order<'_> {
             onward.add(next);
             end = next.messages.end;
         }
-        let numbered = self.moments[..end].iter().enumerate();
-        let times = numbered.map(|(number, moment)| (moment.time, number < run.messages.start));
-        let mut later: Vec<(u64, bool)> = times.filter(|&(time, _)| time > run.latest).collect();
-        later.sort_unstable();
-        let mut end = run.latest;
-        for (time, is_before) in later {
-            if time - end > run.late().max(self.reach) {
-                return true;
-            }
-            if is_before {
-                return false;
-            }
-            end = time;
-        }
-        true
+        let earlier_in_file = self.moments[..run.messages.start].iter();
+        let later = earlier_in_file.filter(|moment| moment.time > run.latest);
+        let Some(reached) = later.map(|moment| moment.time).min() else {
+            return true;
+        };
+        let onward = self.moments[run.messages.end..end].iter();
+        let onward = onward.map(|moment| moment.time);
+        let mut times: Vec<u64> = onward
+            .filter(|time| (run.latest..reached).contains(time))
+            .collect();
+        times.extend([run.latest, reached]);
+        times.sort_unstable();
+        let longest = run.late().max(self.reach);
+        times.windows(2).any(|pair| pair[1] - pair[0] > longest)
     }
 }

@@ -126,6 +126,16 @@ fn a_step_among_late_messages_is_found() {
     assert!(found.len() == 1 && found[0].abs_diff(300) < 10, "{found:?}");
 }
 
+#[test]
+fn messages_that_come_at_a_slower_rate_after_a_step_belong_to_it() {
+    // It takes three slow messages until the recorder is at its rate again.
+    let mut times = steady(300, 20);
+    let back = times[299] - 4 * SECOND;
+    times.extend([0, 300, 600].map(|late| back + late * 1_000_000));
+    times.extend((0..300).map(|n| back + SECOND + n * 20_000_000));
+    assert_eq!(places(&times), [300]);
+}
+
 // ---- Disorder ----
 
 #[test]
