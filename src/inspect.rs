@@ -5,6 +5,7 @@
 //! only a part of a long log.
 
 mod first_sample;
+mod sampled;
 mod topics;
 
 use std::{
@@ -18,15 +19,16 @@ use serde::{Serialize, Serializer};
 
 use crate::{
     camera::{Camera, CameraError},
+    clock::ClockStep,
     decode::{path::FieldPath, trial::UnmetFilter},
     derived::Quantity,
     error::Error,
-    log::{Access, Log, SegmentReader, contents::Segment},
+    log::{Access, Log},
     messages::Format,
     options::Options,
     report::{CameraReport, MissingReason, MissingTopic, Note, ProfileReport, lossy},
     run::{Input, RunError},
-    sample::{Kind, Sample, Tallies, Tally},
+    sample::{Kind, Tally},
     source::{
         Origin, ReadAs, RefusedFrames, RunnerUp, Source, UnmetCondition, error::Misfit,
         undecodable::UndecodableMessage,
@@ -35,10 +37,8 @@ use crate::{
     writer::original::Original,
 };
 pub use first_sample::FirstSample;
+use sampled::Sampled;
 pub use topics::{ListedTopic, TopicList, topics};
-
-/// The most bytes, approximately, that are read to learn what share of the telemetry is usable.
-const MOST_READ: u64 = 64 * 1024 * 1024;
 
 /// What a log contains. Scripts read it as JSON, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -274,7 +274,8 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
     let mut telemetry = None;
     match Source::compare(&log, &options.telemetry) {
         Ok(mut source) => {
-            let found = Telemetry::describe(&log, &mut source, options)?;
+            let (found, clock_steps) = Telemetry::describe(&log, &mut source, options)?;
+            notes.extend(Note::on_clock_steps(&clock_steps));
             notes.extend(Note::on_suspicious_angle(&source, &options.telemetry));
             notes.extend(Note::on_unmet_conditions(&source));
             let mixed = source.check_sources(&log, &options.telemetry);
@@ -314,13 +315,19 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
 }
 
 impl Telemetry {
-    fn describe(log: &Log, source: &mut Source, options: &Options) -> Result<Self, Error> {
+    /// Describes the telemetry, and says where its time goes back.
+    fn describe(
+        log: &Log,
+        source: &mut Source,
+        options: &Options,
+    ) -> Result<(Self, Vec<ClockStep>), Error> {
         let camera = match options.camera(source) {
             Ok(camera) => Some(camera),
             Err(CameraError::Unknown) => None,
             Err(contradiction) => return Err(contradiction.into()),
         };
         let sampled = Sampled::read(log, source)?;
+        let clock_steps = sampled.clock_steps(log, source)?;
         let times = log.message_times(&source.channel_ids())?;
         let roles = source.roles().into_iter().map(|(kind, role)| {
             let role = match role {
@@ -359,7 +366,7 @@ impl Telemetry {
                 }),
             }
         }
-        Ok(telemetry)
+        Ok((telemetry, clock_steps))
     }
 
     /// How many messages of a quantity there can be, or why there can be none.
@@ -447,53 +454,4 @@ fn group_topics(log: &Log, used: &BTreeSet<&str>) -> Vec<TopicGroup> {
         group.topics.insert((&channel.topic).into());
     }
     groups.into_values().collect()
-}
-
-/// What was learnt from some of the telemetry's messages.
-struct Sampled {
-    tallies: Tallies,
-    /// The earliest usable sample of each kind.
-    first: BTreeMap<Kind, Sample>,
-}
-
-impl Sampled {
-    /// Reads segments with telemetry: all or, if they are too long, some that are spread evenly among them.
-    fn read(log: &Log, source: &mut Source) -> Result<Self, Error> {
-        let wanted = source.channel_ids();
-        let segments: Vec<&Segment> = (log.contents.segments.iter())
-            .filter(|segment| !segment.channels_among(&wanted).is_empty())
-            .collect();
-        let length: u64 = segments.iter().map(|segment| segment.length).sum();
-        let share = (MOST_READ as f64 / length as f64).min(1.0);
-        let mut reader = SegmentReader::new(log);
-        let mut sampled = Self {
-            tallies: Tallies::default(),
-            first: BTreeMap::new(),
-        };
-        let (mut passed, mut read) = (0, 0);
-        for segment in segments {
-            let is_due = read as f64 <= share * passed as f64;
-            passed += segment.length;
-            if !is_due {
-                continue;
-            }
-            read += segment.length;
-            for message in reader.read(segment, &wanted)? {
-                source.read(&message?, |kind, sample| match sample {
-                    Ok(sample) => {
-                        sampled.tallies[kind].used += 1;
-                        let first = sampled.first.entry(kind).or_insert(sample);
-                        if sample.stamp().log_time < first.stamp().log_time {
-                            *first = sample;
-                        }
-                    }
-                    Err(reason) => sampled.tallies[kind].count_dropped(reason, 1),
-                });
-            }
-        }
-        for kind in Kind::ALL {
-            sampled.tallies[kind].unselected = source.unselected(kind);
-        }
-        Ok(sampled)
-    }
 }

@@ -114,8 +114,8 @@ impl<'a> Reader<'a> {
     /// The numbers of the segments in which epochs begin, from the second one on; empty if that is not known, or if not
     /// all topics begin them together.
     pub fn epoch_starts(&self) -> Vec<usize> {
-        let epochs = self.epochs.as_ref().map(LogEpochs::epochs);
-        epochs.map_or_else(Vec::new, |epochs| epochs.starts())
+        let epochs = self.epochs.as_ref();
+        epochs.map_or_else(Vec::new, |epochs| epochs.epochs.starts())
     }
 
     /// Reads all samples. `take` gets them one after the other.
@@ -141,7 +141,7 @@ impl<'a> Reader<'a> {
                 return Ok(());
             };
             merge::merge(&parts, runs, take)?;
-            *steps = epochs.epochs().steps().to_vec();
+            *steps = epochs.epochs.steps().to_vec();
             Ok::<_, E>(())
         })?;
         for kind in Kind::ALL {

@@ -16,7 +16,8 @@ use crate::{
 /// The epochs of a log's messages by their log times.
 #[derive(Debug, Clone, Default)]
 pub struct LogEpochs {
-    epochs: Epochs,
+    /// The epochs themselves.
+    pub epochs: Epochs,
     /// The number of each channel's topic; empty if there is only one epoch.
     topics: BTreeMap<u16, usize>,
 }
@@ -68,11 +69,6 @@ impl LogEpochs {
         }
         let epochs = Epochs::of(&series);
         Ok(Self { epochs, topics })
-    }
-
-    /// The epochs themselves.
-    pub fn epochs(&self) -> &Epochs {
-        &self.epochs
     }
 
     /// The epochs in a segment, from its start on.
