@@ -57,6 +57,8 @@ mod enrich {
     mod bad_input;
     // Logs that another program writes to.
     mod changed_log;
+    // Clocks that were set back.
+    mod clock_steps;
     mod disk_full;
     // What reaches the disk before what.
     mod durability;
@@ -76,6 +78,8 @@ mod inspect {
 mod log {
     // Data after what is said to be its end.
     mod early_end;
+    // Log times that go back.
+    mod goes_back;
     // Lengths that lie.
     mod lengths;
     // Long records and lengths that lie, where there is little memory.
@@ -96,6 +100,7 @@ mod messages {
 }
 
 mod reader {
+    mod epochs;
     mod samples;
     mod time_order;
     // Only the telemetry of uncompressed chunks is read.
