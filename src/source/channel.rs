@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use angles::AngleWatch;
 pub use angles::OversizedAngle;
+use angles::{AngleWatch, Angles};
 pub use frames::RefusedFrames;
 use frames::{Conversion, FrameTracker};
 use ids::SeenIds;
@@ -20,7 +20,7 @@ use super::{
     bind::{BindError, BoundRole, Reading, Slot, TimeSlots},
     frames::taken::ReadAs,
     profile::{
-        Components, Condition, Coordinates, Euler, Orientation, Pitch, RoleFields, SampleTime, Test,
+        Components, Condition, Coordinates, Orientation, Pitch, RoleFields, SampleTime, Test,
     },
     selection::Selection,
 };
@@ -126,8 +126,7 @@ impl ChannelReader {
                     let conversion = found.frames[place].conversion(&reading.frames, values);
                     conversion.and_then(|conversion| {
                         found.ids.note(&role.ids, values);
-                        note_angles(reading, message, values, &mut found.angles[place]);
-                        reading.sample(message, values, conversion)
+                        reading.sample(message, values, conversion, &mut found.angles[place])
                     })
                 }
                 // The message is another source's.
@@ -282,15 +281,21 @@ impl Reading {
         message: &RawMessage,
         values: &[FieldValue],
         conversion: Conversion,
+        watch: &mut AngleWatch,
     ) -> Result<Sample, DropReason> {
         let stamp = Stamp {
             log_time: self.time.read(message, values)?,
             publish_time: message.publish_time,
         };
+        let mut orientation = |fields: &Orientation<Slot>| {
+            let note = |angles| watch.note(message.log_time, angles);
+            let orientation = fields.read(values, note);
+            orientation.map(|orientation| conversion.orientation(orientation))
+        };
         let sample = match &self.fields {
             RoleFields::Attitude(attitude) => Sample::Attitude(AttitudeSample {
                 stamp,
-                orientation: conversion.orientation(attitude.orientation.read(values)?),
+                orientation: orientation(&attitude.orientation)?,
                 reset_counter: match &attitude.reset_counter {
                     Some(counter) => Some(exact(values, counter.field)?.bits()),
                     None => None,
@@ -301,7 +306,7 @@ impl Reading {
                 let per = velocity.unit.per_metre_per_second();
                 let [x, y, z] = vector.map(|component| component / per);
                 // In some axes it would be infinite.
-                if !x.hypot(y).hypot(z).is_finite() {
+                if !(x.abs() + y.abs() + z.abs()).is_finite() {
                     return Err(DropReason::TooLarge);
                 }
                 Sample::Velocity(VelocitySample {
@@ -311,7 +316,7 @@ impl Reading {
             }
             RoleFields::Gimbal(gimbal) => Sample::Gimbal(GimbalSample {
                 stamp,
-                orientation: conversion.orientation(gimbal.orientation.read(values)?),
+                orientation: orientation(&gimbal.orientation)?,
                 reference: gimbal.reference,
             }),
             RoleFields::Position(coordinates) => Sample::Position(PositionSample {
@@ -362,7 +367,12 @@ fn in_nanoseconds(number: Number, unit: u64) -> Option<u64> {
 }
 
 impl Orientation<Slot> {
-    fn read(&self, values: &[FieldValue]) -> Result<UnitQuaternion<f64>, DropReason> {
+    /// The orientation. `note` gets its angles, if it is given by angles, before they are taken for such of their unit.
+    fn read(
+        &self,
+        values: &[FieldValue],
+        note: impl FnOnce(Angles),
+    ) -> Result<UnitQuaternion<f64>, DropReason> {
         match self {
             Self::Quaternion(quaternion) => {
                 let numbers = (quaternion.fields).read(values, DropReason::NotARotation)?;
@@ -373,7 +383,9 @@ impl Orientation<Slot> {
                 Ok(UnitQuaternion::from_quaternion(quaternion))
             }
             Self::Euler(euler) => {
-                let angles = euler.angles(values)?;
+                let angles = Components::Each([euler.roll, euler.pitch, euler.yaw]);
+                let angles = angles.finite(values)?;
+                note(Angles::RollPitchYaw(angles));
                 let [roll, pitch, yaw] = angles.map(|angle| euler.unit.to_radians(angle));
                 Ok(euler.order.rotation(RollPitchYaw { roll, pitch, yaw }))
             }
@@ -383,17 +395,11 @@ impl Orientation<Slot> {
                 positive,
             }) => {
                 let [angle] = Components::Each([*field]).finite(values)?;
+                note(Angles::Pitch(angle));
                 let pitch = positive.up(unit.to_radians(angle));
                 Ok(UnitQuaternion::from_axis_angle(&Vector3::y_axis(), pitch))
             }
         }
-    }
-}
-
-impl Euler<Slot> {
-    /// Roll, pitch and yaw in the log's unit.
-    fn angles(&self, values: &[FieldValue]) -> Result<[f64; 3], DropReason> {
-        Components::Each([self.roll, self.pitch, self.yaw]).finite(values)
     }
 }
 
@@ -476,32 +482,6 @@ fn number(values: &[FieldValue], slot: Slot) -> Result<f64, DropReason> {
 /// The number at full precision.
 fn exact(values: &[FieldValue], slot: Slot) -> Result<Number, DropReason> {
     values[slot].exact().ok_or(DropReason::MissingField)
-}
-
-fn note_angles(
-    reading: &Reading,
-    message: &RawMessage,
-    values: &[FieldValue],
-    angles: &mut AngleWatch,
-) {
-    let orientation = match &reading.fields {
-        RoleFields::Attitude(attitude) => &attitude.orientation,
-        RoleFields::Gimbal(gimbal) => &gimbal.orientation,
-        RoleFields::Velocity(_) | RoleFields::Position(_) => return,
-    };
-    match orientation {
-        Orientation::Euler(euler) => {
-            if let Ok(read) = euler.angles(values) {
-                angles.note(message.log_time, read);
-            }
-        }
-        Orientation::Pitch(pitch) => {
-            if let Some(read) = values[pitch.field].number() {
-                angles.note_pitch(read);
-            }
-        }
-        Orientation::Quaternion(_) => {}
-    }
 }
 
 impl From<Undecodable> for DropReason {

@@ -1,5 +1,7 @@
 //! Motion that no drone makes, as far as it is seen from one sample to the next.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
@@ -17,7 +19,7 @@ const STRONGEST_ACCELERATION: f64 = 100.0;
 const LEAST_CHANGE: f64 = 1.0;
 
 /// The camera flips if it turns by more than this, a quarter turn, while the drone turns by less than half as much.
-const FLIP: f64 = std::f64::consts::FRAC_PI_2;
+const FLIP: f64 = FRAC_PI_2;
 
 /// How often something was seen, where first, and the largest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -80,13 +82,15 @@ impl Motion {
         }
         // Sine and cosine of half the angle, which is at most a quarter turn.
         let step = (q0.inverse() * q1).into_inner();
-        let drone = 2.0 * step.imag().norm().atan2(step.w.abs());
-        if camera_cosine < 0.0 && drone < FLIP / 2.0 {
+        let (sine, cosine) = (step.imag().norm(), step.w.abs());
+        let drone = || 2.0 * sine.atan2(cosine);
+        if camera_cosine < 0.0 && drone() < FLIP / 2.0 {
             see(&mut self.flips, *time, camera());
         }
-        let rate = drone / (*interval as f64 / 1e9);
-        if rate > FASTEST_TURN {
-            see(&mut self.spins, *time, rate);
+        // The angle is at most π times that sine: most turns are seen to be slow without the angle itself.
+        let seconds = *interval as f64 / 1e9;
+        if PI * sine > FASTEST_TURN * seconds && drone() > FASTEST_TURN * seconds {
+            see(&mut self.spins, *time, drone() / seconds);
         }
     }
 

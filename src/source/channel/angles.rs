@@ -11,6 +11,13 @@ const WHOLE: f64 = 1.0027;
 /// first turn. Messages further apart than this, in nanoseconds, show nothing of that.
 const ADJACENT: u64 = 500_000_000;
 
+/// The angles of a message, in its unit.
+#[derive(Debug, Clone, Copy)]
+pub enum Angles {
+    RollPitchYaw([f64; 3]),
+    Pitch(f64),
+}
+
 /// The largest of the angles that one reading has read, in its unit.
 #[derive(Debug, Clone, Copy)]
 pub struct AngleWatch {
@@ -49,8 +56,12 @@ impl Default for AngleWatch {
 }
 
 impl AngleWatch {
-    /// Notes the roll, pitch and yaw of a message.
-    pub fn note(&mut self, time: u64, [roll, pitch, yaw]: [f64; 3]) {
+    /// Notes the angles of a message.
+    pub fn note(&mut self, time: u64, angles: Angles) {
+        let [roll, pitch, yaw] = match angles {
+            Angles::RollPitchYaw(angles) => angles,
+            Angles::Pitch(pitch) => [0.0, pitch, 0.0],
+        };
         self.roll = self.roll.max(roll.abs());
         self.pitch = self.pitch.max(pitch.abs());
         self.yaw = self.yaw.max(yaw.abs());
@@ -60,12 +71,6 @@ impl AngleWatch {
         {
             self.step = self.step.max((yaw - last_yaw).abs());
         }
-    }
-
-    /// Notes a pitch alone.
-    pub fn note_pitch(&mut self, pitch: f64) {
-        self.pitch = self.pitch.max(pitch.abs());
-        self.least_yaw = 0.0;
     }
 
     /// Adds what a clone has noted in other messages.

@@ -210,20 +210,27 @@ fn two_roles_may_read_different_elements_of_one_list() {
     let messages = [
         message(vec![drone.clone(), gimbal.clone()]),
         message(vec![gimbal.clone(), drone.clone()]),
-        message(vec![drone]),
-        message(vec![gimbal]),
+        message(vec![drone.clone()]),
+        message(vec![gimbal.clone()]),
+        message(vec![drone, body("other", 1, [0.0, 1.0, 0.0]), gimbal]),
     ];
     for form in FORMS {
         let (samples, tallies) = log_of(form, &messages).samples(profile).expect("samples");
+        for sample in &samples {
+            if let Sample::Attitude(attitude) = sample {
+                let angle = attitude.orientation.angle();
+                assert!(angle < 1e-12, "{form:?}: another element was read");
+            }
+        }
         let pitches: Vec<f64> = (samples.iter())
             .filter_map(|sample| match sample {
                 Sample::Gimbal(gimbal) => Some(gimbal.orientation.euler_angles().1),
                 _ => None,
             })
             .collect();
-        assert_eq!(pitches.len(), 3, "{form:?}");
+        assert_eq!(pitches.len(), 4, "{form:?}");
         assert!(pitches.iter().all(|pitch| (pitch + 0.5).abs() < 1e-12));
-        assert_eq!(samples.len(), 6);
+        assert_eq!(samples.len(), 8);
         for kind in [Kind::Attitude, Kind::Gimbal] {
             assert_eq!(tallies[kind].unselected, 1, "{form:?}");
             assert_eq!(dropped(&tallies[kind]), []);
