@@ -82,14 +82,14 @@ impl RollPitchYaw {
     /// rotation even if roll and yaw are nearly the same turn and each is ill-defined by itself. At gimbal lock roll is
     /// set to 0 and yaw takes the whole turn.
     pub fn from_rotation(r: &Rotation3<f64>) -> Self {
-        let cos_pitch = r[(2, 1)].hypot(r[(2, 2)]);
-        let roll = if cos_pitch < GIMBAL_LOCK {
-            0.0
+        let cos_pitch = length_of_part(r[(2, 1)], r[(2, 2)]);
+        let (roll, sin_roll, cos_roll) = if cos_pitch < GIMBAL_LOCK {
+            (0.0, 0.0, 1.0)
         } else {
-            r[(2, 1)].atan2(r[(2, 2)])
+            let (y, x) = (r[(2, 1)], r[(2, 2)]);
+            (y.atan2(x), y / cos_pitch, x / cos_pitch)
         };
         // The second column of R Rx(−roll), which is Rz(yaw)'s: (−sin yaw, cos yaw, 0).
-        let (sin_roll, cos_roll) = roll.sin_cos();
         let minus_sin_yaw = cos_roll * r[(0, 1)] - sin_roll * r[(0, 2)];
         let cos_yaw = cos_roll * r[(1, 1)] - sin_roll * r[(1, 2)];
         Self {
@@ -165,10 +165,15 @@ pub fn heading_rotation(q_ned_drone: &UnitQuaternion<f64>) -> Option<Rotation3<f
     )))
 }
 
+/// The length of two components of a unit vector, which cannot overflow: `hypot` takes ten times as long.
+fn length_of_part(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
 /// Sine and cosine of the heading ψ of the nose axis.
 fn heading_sin_cos(q_ned_drone: &UnitQuaternion<f64>) -> Option<(f64, f64)> {
     let nose = q_ned_drone * Vector3::x();
-    let ground = nose.x.hypot(nose.y);
+    let ground = length_of_part(nose.x, nose.y);
     (ground >= MIN_GROUND_PROJECTION).then(|| (nose.y / ground, nose.x / ground))
 }
 

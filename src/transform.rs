@@ -427,8 +427,9 @@ impl Transform {
     /// Sets the reason for samples that were dropped because the last one of this kind is out of reach.
     fn settle_out_of_reach(&mut self, of: Kind, reason: DropReason) {
         for kind in Kind::ALL {
-            let count = self.out_of_reach.remove(&(of, kind)).unwrap_or_default();
-            self.count_dropped(kind, reason, count);
+            if let Some(count) = self.out_of_reach.remove(&(of, kind)) {
+                self.count_dropped(kind, reason, count);
+            }
         }
     }
 

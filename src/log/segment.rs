@@ -60,17 +60,19 @@ impl<'a> SegmentReader<'a> {
             }
             None => self.chunks.read(file, offset, length)?.1,
         };
-        Ok(messages(file, offset, records).filter_map(move |message| {
-            let channel_id = match &message {
-                Ok((_, message)) => message.channel_id,
-                Err(_) => return Some(message.map(|(_, message)| message)),
-            };
-            if !segment.message_counts.contains_key(&channel_id) {
-                let damage = Damage::NotInIndex { channel_id };
-                return Some(Err(file.damaged(offset, damage)));
-            }
-            let is_wanted = wanted.contains(&channel_id);
-            is_wanted.then(|| message.map(|(_, message)| message))
+        let ids = segment.message_counts.keys();
+        let is_wanted: BTreeMap<u16, bool> = ids.map(|id| (*id, wanted.contains(id))).collect();
+        let messages = messages(file, offset, records);
+        Ok(messages.filter_map(move |message| match message {
+            Ok((_, message)) => match is_wanted.get(&message.channel_id) {
+                Some(true) => Some(Ok(message)),
+                Some(false) => None,
+                None => {
+                    let channel_id = message.channel_id;
+                    Some(Err(file.damaged(offset, Damage::NotInIndex { channel_id })))
+                }
+            },
+            Err(error) => Some(Err(error)),
         }))
     }
 

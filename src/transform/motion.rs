@@ -80,16 +80,16 @@ impl Motion {
         if *interval < BURST {
             return see(&mut self.bursts, *time, camera());
         }
-        // Sine and cosine of half the angle, which is at most a quarter turn.
-        let step = (q0.inverse() * q1).into_inner();
-        let (sine, cosine) = (step.imag().norm(), step.w.abs());
-        let drone = || 2.0 * sine.atan2(cosine);
+        // Of half the angle, which is at most a quarter turn.
+        let cosine = q0.coords.dot(&q1.coords).abs().min(1.0);
+        let drone = || 2.0 * cosine.acos();
         if camera_cosine < 0.0 && drone() < FLIP / 2.0 {
             see(&mut self.flips, *time, camera());
         }
-        // The angle is at most π times that sine: most turns are seen to be slow without the angle itself.
+        // The angle is at most π times the sine of its half: most turns are seen to be slow without the angle itself.
         let seconds = *interval as f64 / 1e9;
-        if PI * sine > FASTEST_TURN * seconds && drone() > FASTEST_TURN * seconds {
+        let fastest = FASTEST_TURN * seconds;
+        if PI * PI * (1.0 - cosine * cosine) > fastest * fastest && drone() > fastest {
             see(&mut self.spins, *time, drone() / seconds);
         }
     }

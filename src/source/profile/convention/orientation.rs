@@ -116,6 +116,9 @@ pub struct FrameChange {
 impl FrameChange {
     /// The orientation between the new frames.
     pub fn apply(&self, orientation: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        if *self == Self::default() {
+            return orientation;
+        }
         self.after * orientation * self.before
     }
 }
