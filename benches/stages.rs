@@ -137,7 +137,7 @@ fn derive(samples: &[Sample]) -> Vec<Derived> {
     for sample in samples {
         transform.push(*sample, &mut derived);
     }
-    transform.finish();
+    transform.finish(&mut derived);
     derived
 }
 

@@ -26,7 +26,7 @@ use crate::{
     error::Error,
     log::{Access, Log, file::LogFile, stream::Named},
     options::Options,
-    report::{Derivation, DeriveReport, Findings, MissingTopic, Report},
+    report::{Derivation, DeriveReport, Findings, Report},
     run::{Input, Left, Output, Run, RunError, Stopped},
     writer::original::Original,
 };
@@ -113,7 +113,8 @@ fn write(
             |derivation: Derivation| Findings::new(original, options, camera, encoding, derivation);
         // If nothing can be derived, nothing is created.
         let Some(first) = job.next() else {
-            return Err(nothing_derived(&findings(job.finish()?), &original.log).into());
+            let findings = findings(job.finish()?).with_positions(telemetry);
+            return Err(nothing_derived(&findings, &original.log).into());
         };
 
         let mut sink = target.begin(scope, &original.log, format, run)?;
@@ -124,7 +125,7 @@ fn write(
                 if let Err(error) = judge(&derivation, &original.log, options) {
                     return Err(sink.give_up(error));
                 }
-                let findings = findings(derivation);
+                let findings = findings(derivation).with_positions(telemetry);
                 let (written, grown_by) = sink.finish(findings.facts())?;
                 Ok(findings.report(output, written, grown_by))
             }
@@ -172,10 +173,7 @@ pub fn derive<'a>(
 }
 
 fn nothing_derived(findings: &Findings, log: &Log) -> Error {
-    let missing = Quantity::ALL.map(|quantity| MissingTopic {
-        topic: quantity.topic(),
-        reason: findings.why_missing(quantity),
-    });
+    let missing = Quantity::ALL.map(|quantity| findings.missing(quantity));
     RunError::NothingDerived {
         path: log.file.path().into(),
         missing: missing.into(),

@@ -14,6 +14,7 @@
 //! intrinsic sequence yaw, pitch, roll (ZYX, the aerospace convention). Quaternions are Hamilton's.
 
 pub mod axes;
+pub mod geodetic;
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 

@@ -28,7 +28,7 @@ use crate::{
     options::Options,
     report::{CameraReport, MissingReason, MissingTopic, Note, ProfileReport, lossy},
     run::{Input, RunError},
-    sample::{Kind, Tally},
+    sample::{Kind, Tally, VelocityFrom},
     source::{
         Origin, ReadAs, RefusedFrames, RunnerUp, Source, UnmetCondition, error::Misfit,
         undecodable::UndecodableMessage,
@@ -110,6 +110,8 @@ pub struct Telemetry {
     pub camera: Option<CameraReport>,
     /// Where each kind of sample comes from, or why there is none.
     pub roles: BTreeMap<Kind, RoleReport>,
+    /// What the velocity would be taken from.
+    pub velocity_from: VelocityFrom,
     /// What `enrich` would write.
     pub would_write: Vec<Planned>,
     /// What it could not write.
@@ -276,6 +278,7 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
         Ok(mut source) => {
             let (found, clock_steps) = Telemetry::describe(&log, &mut source, options)?;
             notes.extend(Note::on_clock_steps(&clock_steps));
+            notes.extend(Note::on_passed_over(&source));
             notes.extend(Note::on_suspicious_angle(&source, &options.telemetry));
             notes.extend(Note::on_unmet_conditions(&source));
             let mixed = source.check_sources(&log, &options.telemetry);
@@ -347,6 +350,7 @@ impl Telemetry {
             runners_up: source.runners_up.clone(),
             camera: camera.map(CameraReport::from),
             roles: roles.collect(),
+            velocity_from: options.telemetry.velocity_from,
             would_write: Vec::new(),
             would_not_write: Vec::new(),
         };
@@ -362,6 +366,7 @@ impl Telemetry {
                 }),
                 Err(reason) => (telemetry.would_not_write).push(MissingTopic {
                     topic,
+                    positions: telemetry.positions_instead(&reason),
                     reason: *reason,
                 }),
             }
@@ -380,9 +385,23 @@ impl Telemetry {
         }
         let mut at_most = 0;
         for &(kind, needed) in quantity.needs() {
+            let (kind, needed) = match kind {
+                Kind::Velocity => (self.velocity_from.kind(), self.velocity_from.needed()),
+                kind => (kind, needed),
+            };
             at_most = self.usable(kind, needed)? - (needed - 1);
         }
         Ok(at_most)
+    }
+
+    /// The topic of positions from which the velocity could be taken, if that is missing.
+    fn positions_instead(&self, missing: &MissingReason) -> Option<Foreign> {
+        let RoleReport::Found(positions) = &self.roles[&Kind::Position] else {
+            return None;
+        };
+        let are_enough = positions.tally.used >= VelocityFrom::Position.needed();
+        let is_missing = missing.is_about(Kind::Velocity);
+        (is_missing && are_enough).then(|| positions.topic.clone())
     }
 
     /// How many samples of a kind can be usable, if that is enough.
@@ -420,7 +439,10 @@ impl Telemetry {
     }
 
     fn topics(&self) -> impl Iterator<Item = &str> {
-        self.roles.values().filter_map(|role| match role {
+        let is_read =
+            |kind: Kind| kind != Kind::Velocity || self.velocity_from == VelocityFrom::Messages;
+        let roles = self.roles.iter().filter(move |(kind, _)| is_read(**kind));
+        roles.filter_map(|(_, role)| match role {
             RoleReport::Found(found) => Some(found.topic.as_str()),
             RoleReport::Missing { .. } => None,
         })

@@ -150,10 +150,10 @@ pub use report::{
 };
 pub use restore::{Restored, restore};
 pub use run::{Input, Output};
-pub use sample::{DropReason, Kind, Stamp, Tallies, Tally};
+pub use sample::{DropReason, Kind, Stamp, Tallies, Tally, VelocityFrom};
 pub use source::{
-    Because, FoundValue, NamedFrame, Origin, ReadAs, Reading, RefusedFrames, RunnerUp,
-    UnmetCondition,
+    Because, FoundValue, NamedFrame, Origin, PassedOver, ReadAs, Reading, RefusedFrames, RunnerUp,
+    SeenPlace, UnmetCondition,
     profile::ProfileChoice,
     request::{BadArgument, HowAsked, Request, RoleArgument},
     undecodable::UndecodableMessage,

@@ -1,6 +1,6 @@
 //! What the caller decides about a run.
 
-use std::ops::ControlFlow;
+use std::{collections::BTreeSet, ops::ControlFlow};
 
 use crate::{
     camera::{Camera, CameraError, Mount},
@@ -128,6 +128,16 @@ impl Options {
             watch: self.watch.on_step(reached),
             ..self
         }
+    }
+
+    /// The kinds of sample from which a camera's motion is derived.
+    pub(crate) fn needed_kinds(&self, camera: Camera) -> BTreeSet<Kind> {
+        let kinds = camera.needed_kinds().into_iter();
+        let kinds = kinds.map(|kind| match kind {
+            Kind::Velocity => self.telemetry.velocity_from.kind(),
+            other => other,
+        });
+        kinds.collect()
     }
 
     /// How the camera is mounted, given what the log says.

@@ -123,7 +123,9 @@ impl DeriveReport {
             motion,
             read_as: Kind::ALL.map(|kind| (kind, source.read_as(kind))).into(),
             complete: log.is_readable_to_its_end() && unreadable == 0 && grown_by == 0,
-            notes: notes.into_iter().flatten().collect(),
+            notes: (notes.into_iter().flatten())
+                .chain(Note::on_passed_over(&source))
+                .collect(),
         }
     }
 }
@@ -246,8 +248,11 @@ impl EncodingReport {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct SampleReport {
-    /// Where the samples come from; absent if the log has none.
+    /// Where the samples come from; absent if the log has none, or they are derived from others.
     pub topic: Option<Foreign>,
+    /// The kind of sample that they are derived from, if they are not in messages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub derived_from: Option<Kind>,
     /// How many were used, and how many were not, for which reason.
     #[serde(flatten)]
     pub tally: Tally,
@@ -261,10 +266,21 @@ pub struct SampleReport {
 impl SampleReport {
     fn new(source: &Source, tallies: &Tallies, kind: Kind) -> Self {
         Self {
+            derived_from: None,
             topic: source.role(kind).map(|role| role.topic.clone()),
             tally: tallies[kind].clone(),
             read_as: source.read_as(kind),
             refused_frames: source.refused_frames(kind),
+        }
+    }
+
+    fn derived(from: Kind, tally: Tally) -> Self {
+        Self {
+            topic: None,
+            derived_from: Some(from),
+            tally,
+            read_as: Vec::new(),
+            refused_frames: Vec::new(),
         }
     }
 }
@@ -289,11 +305,11 @@ pub(crate) fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, 
     serializer.serialize_str(&path.to_string_lossy())
 }
 
-/// Serialises the kinds from which channels are derived, each under its name; null for one that was not read.
+/// Serialises what was found of each kind, under its name; null for one that was not read.
 fn by_kind<S: Serializer>(
     samples: &BTreeMap<Kind, SampleReport>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    let kinds = Camera::Gimbal.needed_kinds().into_iter();
+    let kinds = Kind::ALL.into_iter();
     serializer.collect_map(kinds.map(|kind| (kind, samples.get(&kind))))
 }

@@ -50,6 +50,49 @@ pub enum Velocity {
     Frd(Vector3<f64>),
 }
 
+/// What the drone's velocity is taken from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum VelocityFrom {
+    /// The messages that have it.
+    #[default]
+    Messages,
+    /// The change of the position from one message to the next.
+    Position,
+}
+
+impl VelocityFrom {
+    /// The kind of sample that it is taken from.
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Messages => Kind::Velocity,
+            Self::Position => Kind::Position,
+        }
+    }
+
+    /// The name in scripts and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Messages => "messages",
+            Self::Position => "position",
+        }
+    }
+
+    /// How many of these samples it takes for a velocity.
+    pub fn needed(self) -> u64 {
+        match self {
+            Self::Messages => 1,
+            Self::Position => 3,
+        }
+    }
+}
+
+impl Serialize for VelocityFrom {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
 /// Where the gimbal holds the camera at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GimbalSample {
@@ -80,6 +123,8 @@ pub struct PositionSample {
     pub stamp: Stamp,
     /// The place.
     pub position: Position,
+    /// Counts the estimator's jumps, if the log has such counts.
+    pub resets: Option<u64>,
 }
 
 /// A place.
@@ -221,6 +266,14 @@ pub enum DropReason {
     TooClose,
     /// The drone's nose points straight up or down: the camera has no heading.
     UndefinedHeading,
+    /// A position at the same place as the one before it: the log repeats it until the receiver has a new one.
+    RepeatedPosition,
+    /// A position so soon after the one before it that its time says little.
+    InBurst,
+    /// A position that does not have another shortly before and one shortly after it.
+    NoNeighbours,
+    /// A latitude and a longitude that there are not, or that stand for an unknown place.
+    NotAPlace,
     /// A velocity before the first attitude or after the last.
     OutsideAttitude,
     /// A velocity between two attitudes that are too far apart to interpolate.
@@ -255,12 +308,29 @@ impl DropReason {
             DropReason::DuplicateTime => "duplicate_time",
             DropReason::TooClose => "too_close",
             DropReason::UndefinedHeading => "undefined_heading",
+            DropReason::RepeatedPosition => "repeated_position",
+            DropReason::InBurst => "in_burst",
+            DropReason::NoNeighbours => "no_neighbours",
+            DropReason::NotAPlace => "not_a_place",
             DropReason::OutsideAttitude => "outside_attitude",
             DropReason::InAttitudeGap => "in_attitude_gap",
             DropReason::AcrossAttitudeReset => "across_attitude_reset",
             DropReason::OutsideGimbal => "outside_gimbal",
             DropReason::InGimbalGap => "in_gimbal_gap",
         }
+    }
+
+    /// Whether the sample is usable, and only where the camera looked at its time is not known.
+    pub fn is_for_want_of_pose(self) -> bool {
+        matches!(
+            self,
+            Self::UndefinedHeading
+                | Self::OutsideAttitude
+                | Self::InAttitudeGap
+                | Self::AcrossAttitudeReset
+                | Self::OutsideGimbal
+                | Self::InGimbalGap
+        )
     }
 
     /// Whether the message could not be read, as opposed to holding nothing usable.
@@ -295,6 +365,10 @@ impl fmt::Display for DropReason {
             DropReason::UndefinedHeading => {
                 "with the nose straight up or down, where there is no heading"
             }
+            DropReason::RepeatedPosition => "at the same place as the one before",
+            DropReason::InBurst => "less than a millisecond after the one before",
+            DropReason::NoNeighbours => "without another position shortly before or shortly after",
+            DropReason::NotAPlace => "with a latitude or a longitude that there is not, or both 0",
             DropReason::OutsideAttitude => "before the first or after the last usable attitude",
             DropReason::InAttitudeGap => "in a gap of the attitude",
             DropReason::AcrossAttitudeReset => "across a reset of the attitude estimator",

@@ -38,6 +38,7 @@ pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
 use request::{HowAsked, Request};
 use select::{Fit, Specificity};
+pub use select::{PassedOver, SeenPlace};
 use selection::paths_of_source;
 use undecodable::UndecodableMessage;
 
@@ -49,6 +50,9 @@ pub struct Source {
     pub profile: Profile,
     /// The other profiles that were tried, the better ones first.
     pub runners_up: Vec<RunnerUp>,
+    /// The places that come first, but were passed over because of what their messages hold, for the kinds of sample that
+    /// are read.
+    pub passed_over: Vec<PassedOver>,
     fit: Fit,
     /// How the profile recognises its logs.
     specificity: Specificity,
@@ -88,7 +92,7 @@ impl Source {
 
     /// Where the attitude comes from, which every source has.
     pub fn attitude(&self) -> &Origin {
-        &self.fit.attitude
+        &self.fit.attitude.origin
     }
 
     /// Where the profile finds what it was chosen by: the attitude or, if the user gives that, what the profile adds.
@@ -105,7 +109,7 @@ impl Source {
             ..
         } = &self.fit;
         let mut profile = self.profile.clone();
-        if attitude.topic == *own {
+        if attitude.origin.topic == *own {
             return profile;
         }
         let topic = own.strip_prefix(namespace.as_str()).unwrap_or(own);

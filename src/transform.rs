@@ -11,6 +11,7 @@
 //! one before it, because across a longer gap nothing is interpolated. After that nothing can be derived from it,
 //! whether the gap ends or not, and it is dropped at once; only the reason is left open, in a count.
 
+mod from_positions;
 mod motion;
 mod orientation;
 mod track;
@@ -29,9 +30,10 @@ use crate::{
     geometry::{relative_rpy, velocity_in_camera},
     sample::{
         AttitudeSample, DropReason, GimbalSample, Kind, Sample, Stamp, Tallies, Velocity,
-        VelocitySample,
+        VelocityFrom, VelocitySample,
     },
 };
+use from_positions::FromPositions;
 use motion::Turn;
 pub use motion::{Motion, Sighting};
 use orientation::{Attitude, Gimbal};
@@ -200,6 +202,8 @@ pub struct Transform {
     attitudes: Track<Attitude>,
     last_attitude_time: Option<u64>,
     gimbal: Track<Gimbal>,
+    /// Makes the velocities, if they are not in messages. In a box, so that it is quickly taken out for each sample.
+    from_positions: Option<Box<FromPositions>>,
     last_velocity_time: Option<u64>,
     /// Attitudes and velocities that are not settled, in their order.
     held: VecDeque<Held>,
@@ -215,7 +219,7 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// Creates a transform that has seen no sample yet.
+    /// Creates a transform that has seen no sample yet, and takes velocities from samples of them.
     pub fn new(camera: Camera, max_gap: MaxGap) -> Self {
         Self {
             camera,
@@ -224,6 +228,7 @@ impl Transform {
             attitudes: Track::new(max_gap),
             last_attitude_time: None,
             gimbal: Track::new(max_gap),
+            from_positions: None,
             last_velocity_time: None,
             held: VecDeque::new(),
             previous: None,
@@ -243,11 +248,31 @@ impl Transform {
         }
     }
 
+    /// Takes velocities from something else, from the first sample on.
+    #[must_use]
+    pub fn with_velocity_from(self, source: VelocityFrom) -> Self {
+        Self {
+            from_positions: (source == VelocityFrom::Position)
+                .then(|| Box::new(FromPositions::new(self.max_gap))),
+            ..self
+        }
+    }
+
     /// Takes the next sample and appends to `out` what can be derived now.
     ///
-    /// Samples that nothing is derived from for this camera are ignored and not counted: positions, and those
-    /// of a gimbal that it does not follow.
+    /// Samples that nothing is derived from are ignored and not counted: those of a gimbal that the camera does not
+    /// follow; positions, unless velocities are taken from them, and then velocities.
     pub fn push(&mut self, sample: Sample, out: &mut Vec<Derived>) {
+        match self.from_positions.take() {
+            None => self.take(sample, out),
+            Some(mut from_positions) => {
+                from_positions.push(sample, |sample| self.take(sample, out));
+                self.from_positions = Some(from_positions);
+            }
+        }
+    }
+
+    fn take(&mut self, sample: Sample, out: &mut Vec<Derived>) {
         if self.is_too_close(&sample) {
             return self.count_dropped(Kind::Attitude, DropReason::TooClose, 1);
         }
@@ -264,10 +289,10 @@ impl Transform {
         }
     }
 
-    /// Begins a new epoch: the samples that follow have times that are not related to those so far. Samples that are
-    /// still waiting are dropped.
-    pub fn begin_epoch(&mut self) {
-        self.end_epoch();
+    /// Begins a new epoch, and appends to `out` what can be derived of the last one: the samples that follow have times
+    /// that are not related to those so far. Samples that still wait for others are dropped.
+    pub fn begin_epoch(&mut self, out: &mut Vec<Derived>) {
+        self.end_epoch(out);
         self.attitudes = Track::new(self.max_gap);
         self.gimbal = Track::new(self.max_gap);
         self.last_attitude_time = None;
@@ -276,14 +301,21 @@ impl Transform {
         self.is_after_clock_step |= self.previous.take().is_some();
     }
 
-    /// Ends the run. Samples that are still waiting are dropped.
-    pub fn finish(mut self) -> Outcome {
-        self.end_epoch();
+    /// Ends the run, and appends to `out` what can be derived now. Samples that still wait for others are dropped.
+    pub fn finish(mut self, out: &mut Vec<Derived>) -> Outcome {
+        self.end_epoch(out);
+        if let Some(from_positions) = self.from_positions {
+            self.outcome.tallies[Kind::Position] = from_positions.tally;
+        }
         self.outcome
     }
 
-    fn end_epoch(&mut self) {
-        // Nothing is derived here: every held sample either waits or is later than one that does.
+    fn end_epoch(&mut self, out: &mut Vec<Derived>) {
+        if let Some(mut from_positions) = self.from_positions.take() {
+            from_positions.end(|sample| self.take(sample, out));
+            self.from_positions = Some(from_positions);
+        }
+        // Nothing more is derived: every held sample either waits or is later than one that does.
         self.settle(None, &mut Vec::new());
         self.settle_out_of_reach(Kind::Attitude, Attitude::OUTSIDE);
         self.settle_out_of_reach(Kind::Gimbal, Gimbal::OUTSIDE);

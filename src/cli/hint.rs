@@ -8,10 +8,13 @@ use flightcam::{
     camera::CameraError,
     error::{JournalError, JournalFault, SpecialFile},
     log::ReadError,
+    report::MissingTopic,
     run::RunError,
     text::is_escaped,
     writer::WriteError,
 };
+
+use super::words;
 
 const NO_CAMERA: &str = "\
 give --depression DEG, the angle of the camera's optical axis below the horizon
@@ -37,6 +40,7 @@ pub fn hint(error: &Error) -> Option<String> {
         Error::Journal(error) => of_the_journal(error)?,
         Error::Telemetry(error) => return telemetry::hint(error),
         Error::Run(RunError::PassedOn { cause }) => return hint(cause),
+        Error::Run(RunError::NothingDerived { missing, .. }) => return Some(of_nothing(missing)),
         Error::Run(error) => of_the_run(error)?,
         _ => return None,
     };
@@ -122,11 +126,17 @@ fn of_writing(error: &WriteError) -> Option<&'static str> {
     })
 }
 
+fn of_nothing(missing: &[MissingTopic]) -> String {
+    let check = "check which topics and fields the profile names (--profile), and --max-gap";
+    let positions = missing.iter().find_map(|topic| topic.positions.as_ref());
+    match positions.map(words::velocity_from_position) {
+        None => check.to_owned(),
+        Some(instead) => format!("{check}; for the velocity, {instead}"),
+    }
+}
+
 fn of_the_run(error: &RunError) -> Option<&'static str> {
     Some(match error {
-        RunError::NothingDerived { .. } => {
-            "check which topics and fields the profile names (--profile), and --max-gap"
-        }
         RunError::InterleavedInPlace => {
             "with --layout interleaved leave out --in-place, and write the result to a new file (-o)"
         }

@@ -9,7 +9,7 @@ use flightcam::{
         FoundRole, Inspection, ListedTopic, Planned, RoleReport, Telemetry, TopicGroup, TopicList,
         inspect, topics,
     },
-    sample::Kind,
+    sample::{Kind, VelocityFrom},
     source::RunnerUp,
     text,
 };
@@ -142,6 +142,10 @@ fn describe_telemetry(page: &mut Page, telemetry: &Telemetry) {
     );
     for kind in Kind::LISTED {
         let label = words::label(kind);
+        if kind == Kind::Velocity && telemetry.velocity_from == VelocityFrom::Position {
+            page.line(&label, "from the position");
+            continue;
+        }
         match telemetry.roles.get(&kind) {
             Some(RoleReport::Found(found)) => describe_role(page, &label, found),
             Some(RoleReport::Missing { missing }) => page.line(&label, format!("none: {missing}")),
@@ -211,7 +215,8 @@ fn table(telemetry: &Telemetry) -> String {
     ];
     let mut rows = vec![header.map(str::to_owned)];
     for kind in Kind::LISTED {
-        if let Some(RoleReport::Found(found)) = telemetry.roles.get(&kind) {
+        let is_read = kind != Kind::Velocity || telemetry.velocity_from == VelocityFrom::Messages;
+        if let Some(RoleReport::Found(found)) = telemetry.roles.get(&kind).filter(|_| is_read) {
             rows.push(row(&words::label(kind), found, start));
         }
     }
@@ -304,7 +309,7 @@ fn describe_plan(telemetry: &Telemetry) -> String {
         let _ = writeln!(text, "  {topic} ({schema}, {encoding}): up to {messages}");
     }
     for missing in &telemetry.would_not_write {
-        let _ = writeln!(text, "but not\n  {}: {}", missing.topic, missing.reason);
+        let _ = writeln!(text, "but not\n  {}", words::missing(missing));
     }
     text
 }

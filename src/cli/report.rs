@@ -34,7 +34,7 @@ pub fn describe(report: &Report) -> Page {
         page.line("Written", format!("{}: {messages}", topic.topic));
     }
     for topic in &report.not_written {
-        page.line("Not written", format!("{}: {}", topic.topic, topic.reason));
+        page.line("Not written", words::missing(topic));
     }
     page.line("Bytes", describe_bytes(report));
     for note in &report.notes {
@@ -131,14 +131,16 @@ fn describe_motion(page: &mut Page, motion: &Motion) {
 }
 
 fn describe_samples(page: &mut Page, label: &str, samples: &SampleReport) {
-    let Some(topic) = &samples.topic else {
-        return;
+    let source = match (&samples.topic, samples.derived_from) {
+        (_, Some(kind)) => format!("from the {}", kind.name()),
+        (Some(topic), None) => topic.to_string(),
+        (None, None) => return,
     };
     let (used, total) = (samples.tally.used, samples.tally.total());
     page.line(
         label,
         format!(
-            "{topic}: {} of {} samples used",
+            "{source}: {} of {} samples used",
             HumanCount(used),
             HumanCount(total)
         ),

@@ -1,14 +1,16 @@
 //! The options that say where a log has its telemetry; `enrich` and `inspect` share them.
 
-use clap::Args;
+use clap::{Args, ValueEnum, error::ErrorKind};
 use flightcam::{
     Error,
-    sample::Kind,
+    sample::{Kind, VelocityFrom},
     source::{
         profile::{Profile, ProfileChoice, SampleTime},
         request::{BadArgument, Request, RoleArgument, namespace},
     },
 };
+
+use super::wrong_arguments;
 
 /// Printed below the help of commands that take paths.
 pub const EXAMPLES: &str = "\
@@ -84,10 +86,31 @@ pub struct TelemetryArguments {
     #[arg(long, value_name = "PATHS:UNIT|AXES", value_parser = role(Kind::Position))]
     position: Option<RoleArgument>,
 
+    /// What the velocity is taken from
+    #[arg(long, value_enum, value_name = "SOURCE", default_value = "messages")]
+    velocity_from: VelocityFromArgument,
+
     /// What the time of a sample is: when it was logged, when it was published, or what a field of the message
     /// says in s, ms, us or ns, as in header.stamp or time_usec:us [default: what the profile says, usually log]
     #[arg(long, value_name = "log|publish|FIELD[:UNIT]")]
     time: Option<SampleTime>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum VelocityFromArgument {
+    /// Messages that have it
+    Messages,
+    /// The change of the drone's position from one message to the next, for a log without a usable velocity
+    Position,
+}
+
+impl From<VelocityFromArgument> for VelocityFrom {
+    fn from(argument: VelocityFromArgument) -> Self {
+        match argument {
+            VelocityFromArgument::Messages => Self::Messages,
+            VelocityFromArgument::Position => Self::Position,
+        }
+    }
 }
 
 /// Parses the argument of a role.
@@ -104,6 +127,13 @@ impl TelemetryArguments {
             (Kind::Gimbal, &self.gimbal),
             (Kind::Position, &self.position),
         ];
+        if self.velocity.is_some() && matches!(self.velocity_from, VelocityFromArgument::Position) {
+            wrong_arguments(
+                ErrorKind::ArgumentConflict,
+                "--velocity says where the velocity is, and --velocity-from position that it is not read; leave out \
+                 one of the two",
+            );
+        }
         let given = roles
             .into_iter()
             .filter_map(|(kind, argument)| Some((kind, argument.clone()?)));
@@ -115,6 +145,7 @@ impl TelemetryArguments {
             namespace: self.namespace.clone(),
             roles: given.collect(),
             time: self.time.clone(),
+            velocity_from: self.velocity_from.into(),
         })
     }
 }

@@ -3,13 +3,17 @@
 mod angles;
 mod camera;
 mod frames;
+mod missing;
 mod note;
+mod passed_over;
 mod sample;
 
 pub use angles::other_unit;
 pub use camera::camera;
 pub use frames::{read_as, refused_frames};
+pub use missing::{missing, velocity_from_position};
 pub use note::note;
+use passed_over::passed_over;
 pub use sample::{first_sample, label};
 
 use flightcam::report::{Chosen, ProfileReport};

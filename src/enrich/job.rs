@@ -57,7 +57,9 @@ impl<'scope> Job<'scope> {
         run: &'env Run,
     ) -> Result<Self, ReadError> {
         let reader = Reader::new(log, source)?;
-        let transform = Transform::new(camera, options.max_gap).thinned(options.min_interval);
+        let transform = Transform::new(camera, options.max_gap)
+            .thinned(options.min_interval)
+            .with_velocity_from(options.telemetry.velocity_from);
         run.expect(reader.bytes_total());
         let (batches, taken) = mpsc::sync_channel(BATCHES);
         Ok(Self {
@@ -121,7 +123,7 @@ fn derive(
         // Checked for each sample, because many of them may yield no value.
         run.go_on()?;
         if arrival.epoch != epoch {
-            transform.begin_epoch();
+            transform.begin_epoch(&mut derived);
             if !derived.is_empty() {
                 hand_over(epoch, &mut derived, arrival.bytes_read)?;
             }
@@ -133,10 +135,11 @@ fn derive(
             false => Ok::<_, Stopped>(hand_over(epoch, &mut derived, arrival.bytes_read)?),
         }
     })?;
+    let outcome = transform.finish(&mut derived);
     if !derived.is_empty() {
         hand_over(epoch, &mut derived, total)?;
     }
     run.read(total);
     run.go_on()?;
-    Ok(Derivation::new(read, transform.finish()))
+    Ok(Derivation::new(read, outcome))
 }

@@ -25,7 +25,7 @@ impl Plan {
     pub fn new(log: &Log, options: &Options) -> Result<Self, Error> {
         let source = Source::select(log, &options.telemetry)?;
         let camera = options.camera(&source)?;
-        let source = source.keep(log, &options.telemetry, &camera.needed_kinds())?;
+        let source = source.keep(log, &options.telemetry, &options.needed_kinds(camera))?;
         let attitude = source.attitude_channel(log);
         let format = Format::choose(options.encoding, attitude);
         Ok(Self {

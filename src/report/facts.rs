@@ -44,6 +44,8 @@ impl Findings<'_> {
             "profile_toml",
             profile_toml.expect("a profile was read from TOML"),
         );
+        let velocity_from = self.options.telemetry.velocity_from;
+        add("velocity_from", velocity_from.name().to_owned());
         add("encoding", self.encoding.name.name().to_owned());
         add("encoding_reason", encoding_fact(&self.encoding));
         add("attitude_gaps", self.breaks.gaps.to_string());

@@ -15,11 +15,12 @@ use crate::{
     camera::Camera,
     clock::ClockStep,
     derived::Quantity,
-    log::ScanReason,
+    log::{Log, ScanReason},
     options::Options,
     reader::ReadOut,
-    sample::{Kind, Tally},
+    sample::{Kind, Tally, VelocityFrom},
     source::{Source, undecodable::UndecodableMessage},
+    text::Foreign,
     transform::{Breaks, Motion, Outcome},
     writer::{Layout, Written, original::Original},
 };
@@ -57,6 +58,8 @@ pub struct Findings<'a> {
     pub(super) breaks: Breaks,
     pub(super) motion: Motion,
     clock_steps: Vec<ClockStep>,
+    /// The topic of usable positions, if there is no usable velocity.
+    positions: Option<Foreign>,
 }
 
 impl<'a> Findings<'a> {
@@ -77,28 +80,70 @@ impl<'a> Findings<'a> {
                 },
             clock_steps,
         } = derivation;
-        let samples = camera
-            .needed_kinds()
-            .into_iter()
-            .map(|kind| (kind, SampleReport::new(&source, &tallies, kind)));
+        let kinds = options.needed_kinds(camera).into_iter();
+        let read = kinds.map(|kind| (kind, SampleReport::new(&source, &tallies, kind)));
+        let mut samples: BTreeMap<Kind, SampleReport> = read.collect();
+        samples.entry(Kind::Velocity).or_insert_with(|| {
+            let from = options.telemetry.velocity_from.kind();
+            SampleReport::derived(from, tallies[Kind::Velocity].clone())
+        });
         Self {
             original,
             options,
             encoding,
-            samples: samples.collect(),
+            samples,
             camera,
             breaks,
             motion,
             clock_steps,
             source,
+            positions: None,
+        }
+    }
+
+    /// Looks whether the log has usable positions, if it has no usable velocity. If they cannot be read, it has none.
+    pub fn with_positions(self, telemetry: &Log) -> Self {
+        let request = &self.options.telemetry;
+        let velocities = &self.samples[&Kind::Velocity].tally;
+        let mut reasons = velocities.dropped.keys();
+        let positions = match request.velocity_from {
+            VelocityFrom::Messages
+                if velocities.used == 0 && !reasons.any(|reason| reason.is_for_want_of_pose()) =>
+            {
+                let positions = self.source.usable_positions(telemetry, request);
+                positions.ok().flatten()
+            }
+            _ => None,
+        };
+        Self { positions, ..self }
+    }
+
+    /// A quantity that has no messages.
+    pub fn missing(&self, quantity: Quantity) -> MissingTopic {
+        let reason = self.why_missing(quantity);
+        MissingTopic {
+            topic: quantity.topic(),
+            positions: (self.positions.clone()).filter(|_| reason.is_about(Kind::Velocity)),
+            reason,
         }
     }
 
     /// Why a quantity has no messages, if it has none.
-    pub fn why_missing(&self, quantity: Quantity) -> MissingReason {
+    fn why_missing(&self, quantity: Quantity) -> MissingReason {
         // Check the last kind first: each value comes from one of its samples.
         for &(kind, needed) in quantity.needs().iter().rev() {
-            if let Some(misfit) = self.source.why_missing(kind) {
+            if let Some(from) = self.samples[&kind].derived_from {
+                if let Some(misfit) = self.source.why_missing(from) {
+                    return MissingReason::NoSamples {
+                        sample: from,
+                        misfit: misfit.clone(),
+                    };
+                }
+                if self.samples[&from].tally.used == 0 {
+                    let needed = self.options.telemetry.velocity_from.needed();
+                    return self.too_few_usable(from, needed);
+                }
+            } else if let Some(misfit) = self.source.why_missing(kind) {
                 return MissingReason::NoSamples {
                     sample: kind,
                     misfit: misfit.clone(),
@@ -144,14 +189,12 @@ impl<'a> Findings<'a> {
                 field_to_plot: definition.field_to_plot,
             }
         };
-        let missing_topic = |quantity: Quantity| MissingTopic {
-            topic: quantity.topic(),
-            reason: self.why_missing(quantity),
-        };
         Report {
             notes: self.notes(&output, &written, grown_by),
             written: present.into_iter().map(written_topic).collect(),
-            not_written: missing.into_iter().map(missing_topic).collect(),
+            not_written: (missing.into_iter())
+                .map(|quantity| self.missing(quantity))
+                .collect(),
             input: log.file.path().into(),
             output,
             profile: ProfileReport::new(&self.source, &self.options.telemetry),
@@ -207,11 +250,13 @@ impl<'a> Findings<'a> {
             Note::on_suspicious_angle(&self.source, &self.options.telemetry),
         ];
         let unmet = Note::on_unmet_conditions(&self.source);
+        let passed_over = Note::on_passed_over(&self.source);
         let ros2 = ros2::notes(log, output, self.options.encoding, self.encoding.name);
         notes
             .into_iter()
             .flatten()
             .chain(unmet)
+            .chain(passed_over)
             .chain(ros2)
             .collect()
     }

@@ -19,6 +19,9 @@ pub struct MissingTopic {
     pub topic: &'static str,
     /// Why it is missing.
     pub reason: MissingReason,
+    /// The topic of positions from which the velocity could be taken, if that is what is missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub positions: Option<Foreign>,
 }
 
 /// Why nothing can be derived for a topic.
@@ -65,6 +68,16 @@ pub enum MissingReason {
         /// How often the time went back in between.
         clock_steps: u64,
     },
+}
+
+impl MissingReason {
+    /// Whether samples of this kind are what is missing.
+    pub(crate) fn is_about(&self, kind: Kind) -> bool {
+        matches!(
+            self,
+            Self::NoSamples { sample, .. } | Self::TooFewUsable { sample, .. } if *sample == kind
+        )
+    }
 }
 
 /// Implemented in the library, because [`RunError::NothingDerived`](crate::error::RunError::NothingDerived) quotes it.

@@ -10,7 +10,7 @@ use crate::{
     log::Log,
     sample::Kind,
     source::{
-        Source, UnmetCondition,
+        PassedOver, Source, UnmetCondition,
         profile::convention::AngleUnit,
         request::{HowAsked, Request},
         undecodable::UndecodableMessage,
@@ -113,6 +113,8 @@ pub enum Note {
         /// What was found, and what was wanted.
         conditions: Vec<UnmetCondition>,
     },
+    /// What comes first in a profile, or another profile, was passed over because of what its messages hold.
+    PassedOver(PassedOver),
     /// All channels of the log are ROS 2, and the new ones are not, so that ROS 2 tools refuse the result.
     NewChannelsNotRos2,
     /// A channel of the log is not ROS 2, so that ROS 2 tools refuse the result although the new ones are.
@@ -155,6 +157,12 @@ impl Note {
         (!steps.is_empty()).then(|| Self::ClockSteps {
             steps: steps.to_vec(),
         })
+    }
+
+    /// Notes for places that come first and were passed over.
+    pub(crate) fn on_passed_over(source: &Source) -> Vec<Self> {
+        let passed_over = source.passed_over.iter().cloned();
+        passed_over.map(Self::PassedOver).collect()
     }
 
     /// A note for telemetry whose angles are too large for their unit, once all messages have been read.

@@ -64,6 +64,6 @@ pub enum Left {
 fn list(missing: &[MissingTopic]) -> String {
     let lines = missing.iter();
     lines
-        .map(|MissingTopic { topic, reason }| format!("\n  {topic}: {reason}"))
+        .map(|MissingTopic { topic, reason, .. }| format!("\n  {topic}: {reason}"))
         .collect()
 }

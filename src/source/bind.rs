@@ -5,6 +5,7 @@ mod binder;
 mod error;
 mod frames;
 mod ids;
+mod resets;
 
 use super::profile::{
     Alternative, Condition, Profile, RoleFields, SampleTime, convention::TimeUnit,
@@ -23,6 +24,7 @@ use frames::bind_frames;
 pub use frames::{BoundFrames, BoundNames, ChannelName, Contradiction, SaidBy};
 pub use ids::BoundId;
 use ids::bind_ids;
+use resets::ResetCounts;
 
 /// Where the decoder puts a field's value.
 pub type Slot = usize;
@@ -53,6 +55,8 @@ pub struct Reading {
     pub valid: Vec<Slot>,
     pub fields: RoleFields<Slot>,
     pub frames: BoundFrames,
+    /// Counts of the estimator's jumps, beside a position.
+    pub resets: ResetCounts,
 }
 
 /// The slots that hold the time of a sample.
@@ -130,6 +134,7 @@ fn bind_reading(
             .collect::<Result<_, _>>()?,
         time: binder.time(location.time.as_ref().unwrap_or(&profile.time))?,
         frames: bind_frames(binder, alternative, said_by)?,
+        resets: ResetCounts::bind(binder, fields),
     })
 }
 

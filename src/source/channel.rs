@@ -322,6 +322,7 @@ impl Reading {
             RoleFields::Position(coordinates) => Sample::Position(PositionSample {
                 stamp,
                 position: coordinates.read(values, conversion)?,
+                resets: self.resets.read(values),
             }),
         };
         for &slot in &self.valid {

@@ -189,6 +189,12 @@ impl Profile {
         }
     }
 
+    /// Whether it fits only a log that has a velocity.
+    pub(super) fn requires_velocity(&self) -> bool {
+        let mut alternatives = self.alternatives(Kind::Velocity).iter();
+        alternatives.any(|alternative| alternative.fields.is_required())
+    }
+
     pub(super) fn alternatives_mut(&mut self, role: Kind) -> &mut Vec<Alternative> {
         &mut self.roles[role as usize]
     }

@@ -12,7 +12,10 @@ use super::{
     pattern::Pattern,
     profile::{Alternative, Profile, ProfileChoice, SampleTime},
 };
-use crate::{sample::Kind, text::Foreign};
+use crate::{
+    sample::{Kind, VelocityFrom},
+    text::Foreign,
+};
 pub use argument::RoleArgument;
 pub use error::BadArgument;
 
@@ -27,6 +30,8 @@ pub struct Request {
     pub roles: BTreeMap<Kind, RoleArgument>,
     /// What the time of a sample is, instead of what the profile says.
     pub time: Option<SampleTime>,
+    /// What the velocity is taken from. A profile that fits only a log with a velocity then fits one with positions.
+    pub velocity_from: VelocityFrom,
 }
 
 /// A profile with what was asked for in place of what it says.

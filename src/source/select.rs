@@ -1,10 +1,14 @@
 //! Selecting the telemetry of a log: which profile, which vehicle, and which of the log's channels.
 
+mod between_profiles;
+mod choice;
 mod conditions;
 mod fit;
 mod instead;
 mod log_search;
+mod look;
 mod namespace_search;
+mod places;
 
 use std::{cmp::Reverse, collections::BTreeSet};
 
@@ -17,17 +21,22 @@ use super::{
 use crate::{
     decode::{FirstMessages, Proof},
     log::Log,
-    sample::Kind,
+    sample::{Kind, VelocityFrom},
     text::Foreign,
 };
+use choice::Chosen;
+pub use choice::{PassedOver, SeenPlace};
 pub use fit::Fit;
 pub use fit::Specificity;
 use fit::specificity;
 use log_search::LogSearch;
+use look::Look;
 use namespace_search::NamespaceSearch;
 
-/// The kinds of sample that something is derived from. A position is only shown.
-const DERIVED_FROM: [Kind; 3] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity];
+/// The kinds of sample that something is derived from. Others are only shown.
+fn derived_from(velocity_from: VelocityFrom) -> [Kind; 3] {
+    [Kind::Gimbal, Kind::Attitude, velocity_from.kind()]
+}
 
 /// How well a profile fits, the best last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,6 +62,10 @@ struct Candidate<'p> {
     fit: Fit,
     /// What it adds to the attitude, if the user gives that.
     adds: Option<Adds>,
+    /// Whether it has what the velocity is taken from.
+    has_velocity: bool,
+    /// What the messages of its attitude show. They are only counted until there is a reason to look at them.
+    attitude: Look,
 }
 
 impl<'p> Candidate<'p> {
@@ -60,7 +73,7 @@ impl<'p> Candidate<'p> {
         let left = log_search.left_to_profiles();
         let adds = |kind: Kind| left.contains(&kind) && fit.role(kind).is_ok();
         let kinds = [
-            (Kind::Velocity, Adds::Velocity),
+            (log_search.velocity_from.kind(), Adds::Velocity),
             (Kind::Gimbal, Adds::Gimbal),
             (Kind::Position, Adds::Position),
         ];
@@ -70,6 +83,11 @@ impl<'p> Candidate<'p> {
             adds: most
                 .filter(|_| adapted.own_attitude.is_some())
                 .map(|(_, adds)| adds),
+            has_velocity: fit.role(log_search.velocity_from.kind()).is_ok(),
+            attitude: Look {
+                messages: log_search.messages_on(&fit.attitude.origin.topic),
+                ..Look::default()
+            },
             fit,
         }
     }
@@ -78,7 +96,7 @@ impl<'p> Candidate<'p> {
         Rank {
             adds: self.adds,
             specificity: specificity(self.adapted.attitude()),
-            has_velocity: self.fit.role(Kind::Velocity).is_ok(),
+            has_velocity: self.has_velocity,
         }
     }
 
@@ -90,15 +108,16 @@ impl<'p> Candidate<'p> {
     /// Where it finds what it was chosen by: the attitude or, if the user gives that, what it adds.
     fn chosen_by(&self, log_search: &LogSearch) -> &Origin {
         let kinds = log_search.left_to_profiles();
-        self.fit.first_of(&kinds).unwrap_or(&self.fit.attitude)
+        (self.fit.first_of(&kinds)).unwrap_or(&self.fit.attitude.origin)
     }
 }
 
-/// Which profiles are tried.
+/// What is tried, and looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Thoroughness {
-    /// Tries profiles until none that is left could fit better.
+    /// Tries profiles until none that is left could fit better, and looks at what something is derived from.
     UntilFound,
+    /// Tries all profiles, and looks at all kinds of sample.
     All,
 }
 
@@ -127,8 +146,8 @@ impl Source {
         thoroughness: Thoroughness,
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let log_search = |proof| LogSearch::new(log, &examples, request, proof);
-        let listed = Self::find_by(&log_search(Proof::Listed), request, thoroughness);
+        let log_search = |proof| LogSearch::new(log, &examples, request, proof, thoroughness);
+        let listed = Self::find_by(&log_search(Proof::Listed), request);
         let is_settled = match &listed {
             Ok(source) => source.is_confirmed_by(&log_search(Proof::Shown)),
             Err(error) => !error.is_ambiguity(),
@@ -136,9 +155,9 @@ impl Source {
         if is_settled {
             return listed;
         }
-        let shown = Self::find_by(&log_search(Proof::Shown), request, thoroughness);
+        let shown = Self::find_by(&log_search(Proof::Shown), request);
         let is_better = match (&listed, &shown) {
-            (Ok(listed), Ok(shown)) => shown.has_all_of(listed),
+            (Ok(listed), Ok(shown)) => shown.has_all_of(listed, request.velocity_from),
             (Err(_), Ok(_)) => true,
             (Err(_), Err(error)) => error.is_ambiguity(),
             (Ok(_), Err(_)) => false,
@@ -152,30 +171,27 @@ impl Source {
         let mut channels = self.channels.keys().map(|id| &definitions.channels[id]);
         let search = log_search.search(&self.profile, self.specificity, &self.fit.namespace);
         !channels.any(|channel| FirstMessages::tell_the_fields_of(&channel.record))
-            || search.confirms(&self.fit, &DERIVED_FROM)
+            || search.confirms(&self.fit, &derived_from(log_search.velocity_from))
     }
 
     /// Whether it has every kind of sample that another one has and that something is derived from.
-    fn has_all_of(&self, other: &Self) -> bool {
+    fn has_all_of(&self, other: &Self, velocity_from: VelocityFrom) -> bool {
         let has_as_much = |&kind: &Kind| self.role(kind).is_some() || other.role(kind).is_none();
-        DERIVED_FROM.iter().all(has_as_much)
+        derived_from(velocity_from).iter().all(has_as_much)
     }
 
-    fn find_by(
-        log_search: &LogSearch,
-        request: &Request,
-        thoroughness: Thoroughness,
-    ) -> Result<Self, TelemetryError> {
+    fn find_by(log_search: &LogSearch, request: &Request) -> Result<Self, TelemetryError> {
         log_search.check_request()?;
         let mut profiles = request.profiles();
         // The most specific come first. The sort is stable, so equals keep their order.
         profiles.sort_by_key(|adapted| Reverse(specificity(adapted.attitude())));
-        let (mut candidates, misfits) = try_profiles(log_search, &profiles, thoroughness)?;
+        let (mut candidates, misfits) = try_profiles(log_search, &profiles)?;
         let only_given = request.without_profile();
         if only_given.is_some() {
             candidates.retain(|candidate| candidate.adds.is_some());
         }
-        let (best, rest) = match (choose(candidates), &only_given) {
+        let strays = between_profiles::take_strays(log_search, &mut candidates)?;
+        let (best, mut rest) = match (choose(candidates), &only_given) {
             // Nothing is derived from positions, so it does not matter which are shown.
             (Some((best, rest)), Some(_))
                 if best.len() > 1 && best[0].adds == Some(Adds::Position) =>
@@ -185,6 +201,7 @@ impl Source {
             (Some(chosen), _) => chosen,
             (None, _) => (Vec::new(), Vec::new()),
         };
+        let (best, passed_over) = between_profiles::settle(log_search, best, &mut rest)?;
         let best = match &only_given {
             Some(adapted) if best.is_empty() => vec![without_profile(log_search, adapted)?],
             _ => best,
@@ -201,19 +218,48 @@ impl Source {
         if request.own_profile().is_some() {
             search.check_conditions(fit)?;
         }
-        let runners_up = rest.into_iter().map(|candidate| RunnerUp {
+        let strays_passed_over = between_profiles::strays_passed_over(&strays, &best[0]);
+        let others = rest.into_iter().chain(strays);
+        let runners_up = others.map(|candidate| RunnerUp {
             profile: (&candidate.adapted.profile.name).into(),
-            attitude: Ok(candidate.fit.attitude),
+            attitude: Ok(candidate.fit.attitude.origin),
         });
         Ok(Self {
             channels: search.channels(fit, &Kind::ALL.into())?,
             runners_up: runners_up.chain(misfits).collect(),
             profile: profile.clone(),
             specificity,
+            passed_over: (fit.passed_over().cloned())
+                .chain(passed_over)
+                .chain(strays_passed_over)
+                .collect(),
             chosen_by: best[0].chosen_by(log_search).clone(),
             fit: fit.clone(),
             proof: log_search.proof,
         })
+    }
+
+    /// The topic of the positions that the velocity could be taken from, if there are enough that are usable.
+    ///
+    /// # Errors
+    /// The log cannot be read.
+    pub fn usable_positions(
+        &self,
+        log: &Log,
+        request: &Request,
+    ) -> Result<Option<Foreign>, TelemetryError> {
+        let examples = FirstMessages::new(log);
+        let log_search = LogSearch::new(log, &examples, request, self.proof, Thoroughness::All);
+        let search = log_search.search(&self.profile, self.specificity, &self.fit.namespace);
+        let own = self.fit.own.as_str();
+        let Chosen { origin, first, .. } = match search.choose(Kind::Position, Some(own)) {
+            Ok(chosen) => chosen,
+            Err(Unfit::Misfit(_)) => return Ok(None),
+            Err(Unfit::Hopeless(error)) => return Err(error),
+        };
+        let look = search.look_at(Kind::Position, &origin.topic, first, own)?;
+        let are_enough = look.tally.used >= VelocityFrom::Position.needed();
+        Ok(are_enough.then_some(origin.topic))
     }
 
     /// Restricts reading to these kinds of sample, so that other data in their messages cannot cause trouble.
@@ -227,8 +273,11 @@ impl Source {
         kinds: &BTreeSet<Kind>,
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let log_search = LogSearch::new(log, &examples, request, self.proof);
+        let thoroughness = Thoroughness::UntilFound;
+        let log_search = LogSearch::new(log, &examples, request, self.proof, thoroughness);
+        let passed_over = self.passed_over.into_iter();
         Ok(Self {
+            passed_over: (passed_over.filter(|one| kinds.contains(&one.role))).collect(),
             channels: log_search
                 .search(&self.profile, self.specificity, &self.fit.namespace)
                 .channels(&self.fit, kinds)?,
@@ -241,7 +290,6 @@ impl Source {
 fn try_profiles<'p>(
     log_search: &LogSearch,
     profiles: &'p [Adapted],
-    thoroughness: Thoroughness,
 ) -> Result<(Vec<Candidate<'p>>, Vec<RunnerUp>), TelemetryError> {
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut misfits = Vec::new();
@@ -251,8 +299,10 @@ fn try_profiles<'p>(
             specificity: specificity(adapted.attitude()),
             has_velocity: true,
         };
-        let best = candidates.iter().map(Candidate::rank).max();
-        if thoroughness == Thoroughness::UntilFound && best > Some(could_be_best) {
+        // One that may be a stray does not end the search.
+        let series = candidates.iter().filter(|one| one.is_series());
+        let best = series.map(Candidate::rank).max();
+        if log_search.thoroughness == Thoroughness::UntilFound && best > Some(could_be_best) {
             break;
         }
         match log_search.fit(adapted) {
@@ -286,9 +336,7 @@ fn without_profile<'p>(
 fn choose(candidates: Vec<Candidate>) -> Option<(Vec<Candidate>, Vec<Candidate>)> {
     let best = candidates.iter().map(Candidate::rank).max()?;
     // If there are several vehicles, that more is known about one does not mean that it is the right one.
-    let vehicles = candidates.iter().filter(|candidate| candidate.is_vehicle());
-    let vehicles: BTreeSet<&str> = vehicles.map(|one| one.fit.namespace.as_str()).collect();
-    let of_several = vehicles.len() > 1;
+    let of_several = between_profiles::vehicles(&candidates).len() > 1;
     let is_best =
         |candidate: &Candidate| candidate.rank() == best || of_several && candidate.is_vehicle();
     let (best, mut rest): (Vec<_>, Vec<_>) = candidates.into_iter().partition(is_best);

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     decode::{FirstMessages, Proof, schema::MessageSchema},
     log::{LONGEST_EXAMPLE, contents::Definitions, stream::Passing},
-    sample::Kind,
+    sample::{Kind, VelocityFrom},
 };
 
 /// Picks the messages that [`Source::select`](super::Source::select) might choose in a log, while the log streams by.
@@ -30,6 +30,7 @@ pub struct StreamFilter {
     namespace: Option<String>,
     /// The roles whose places the user gives.
     requested: BTreeSet<Kind>,
+    velocity_from: VelocityFrom,
     /// Whether a channel's messages are included, by its id.
     verdicts: HashMap<u16, bool>,
     /// The examples of channels that are not judged yet, from the latest segment.
@@ -47,6 +48,7 @@ impl StreamFilter {
                 .collect(),
             namespace: request.namespace.clone(),
             requested: request.roles.keys().copied().collect(),
+            velocity_from: request.velocity_from,
             verdicts: HashMap::new(),
             examples: BTreeMap::new(),
             segment: 0,
@@ -134,8 +136,8 @@ impl StreamFilter {
         })
     }
 
-    /// Whether the messages have the type and the fields of the attitude of a profile that names no topics, and of the
-    /// velocity if they must have that too. Whatever else such a profile finds is in the same messages.
+    /// Whether the messages have the type and the fields of the attitude of a profile that names no topics, and of what
+    /// the velocity comes from if they must have that too. Whatever else such a profile finds is in the same messages.
     fn has_attitude(
         &self,
         channel: &Channel,
@@ -164,14 +166,13 @@ impl StreamFilter {
             return false;
         };
         profiles.any(|profile| {
-            let mut velocity = profile.alternatives(Kind::Velocity).iter();
-            let requires_velocity = velocity.any(|one| one.fields.is_required());
+            let velocity = self.velocity_from.kind();
             let channel = ChannelName {
                 topic: &channel.topic,
                 schema: name,
             };
             binds(&schema, profile, Kind::Attitude, channel)
-                && (!requires_velocity || binds(&schema, profile, Kind::Velocity, channel))
+                && (!profile.requires_velocity() || binds(&schema, profile, velocity, channel))
         })
     }
 }

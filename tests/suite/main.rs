@@ -68,6 +68,7 @@ mod enrich {
     mod kill;
     // Numbers of any size.
     mod numbers;
+    mod velocity_from_position;
 }
 
 mod inspect {
@@ -109,6 +110,8 @@ mod reader {
 
 mod source {
     mod arguments;
+    // Which of several places is read.
+    mod choosing;
     // What messages say about their axes.
     mod frames;
     // Each type that says something about them.
@@ -138,6 +141,7 @@ mod source {
 
 mod transform {
     mod attitude_and_velocity;
+    mod from_positions;
     mod gimbal;
     // What no drone does.
     mod motion;

@@ -114,6 +114,7 @@ fn on_the_samples(note: &Note) -> Option<String> {
             unit.name(),
             other_unit(*sample, *unit, asked)
         ),
+        Note::PassedOver(passed_over) => super::passed_over(passed_over),
         _ => return None,
     })
 }

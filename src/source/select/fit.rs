@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::choice::{Chosen, PassedOver};
 use crate::{
     sample::Kind,
     source::{Origin, error::Misfit, profile::Alternative},
@@ -12,12 +13,12 @@ use crate::{
 #[derive(Debug, Clone)]
 pub struct Fit {
     pub namespace: String,
-    pub attitude: Origin,
+    pub attitude: Chosen,
     /// The topic that roles without topics of their own are read from: the attitude's or, if the user gives that, the one
     /// where the profile would find it.
     pub own: Foreign,
     /// The other roles, or why the log has none.
-    pub others: BTreeMap<Kind, Result<Origin, Misfit>>,
+    pub others: BTreeMap<Kind, Result<Chosen, Misfit>>,
 }
 
 impl Fit {
@@ -33,10 +34,26 @@ impl Fit {
 
     /// Where a role is, or why the log has none.
     pub fn role(&self, kind: Kind) -> Result<&Origin, &Misfit> {
+        self.chosen(kind).map(|chosen| &chosen.origin)
+    }
+
+    fn chosen(&self, kind: Kind) -> Result<&Chosen, &Misfit> {
         match self.others.get(&kind) {
-            Some(origin) => origin.as_ref(),
+            Some(chosen) => chosen.as_ref(),
             None => Ok(&self.attitude),
         }
+    }
+
+    /// The number of the first of a role's alternatives that is used.
+    pub fn first(&self, kind: Kind) -> usize {
+        self.chosen(kind).map_or(0, |chosen| chosen.first)
+    }
+
+    /// The places that were passed over.
+    pub fn passed_over(&self) -> impl Iterator<Item = &PassedOver> {
+        let chosen = Kind::LISTED.map(|kind| self.chosen(kind).ok());
+        let chosen = chosen.into_iter().flatten();
+        chosen.flat_map(|chosen| &chosen.passed_over)
     }
 }
 

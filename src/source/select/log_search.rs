@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use mcap::records::Channel;
 
 use super::{
+    Thoroughness, derived_from,
     fit::{Fit, Specificity, specificity},
     namespace_search::NamespaceSearch,
 };
 use crate::{
     decode::{FirstMessages, Proof, path::FieldPath, schema::MessageSchema},
     log::{Log, ReadError},
-    sample::Kind,
+    sample::{Kind, VelocityFrom},
     source::{
         bind::BindError,
         error::{Misfit, TelemetryError, TopicMisfit, Unfit},
@@ -35,6 +36,9 @@ pub struct LogSearch<'a> {
     namespace: Option<&'a str>,
     /// Where the user says that roles are, which takes precedence over the profiles.
     pub requested: &'a BTreeMap<Kind, RoleArgument>,
+    /// What the velocity is taken from.
+    pub velocity_from: VelocityFrom,
+    pub thoroughness: Thoroughness,
 }
 
 impl<'a> LogSearch<'a> {
@@ -44,6 +48,7 @@ impl<'a> LogSearch<'a> {
         examples: &'a FirstMessages<'a>,
         request: &'a Request,
         proof: Proof,
+        thoroughness: Thoroughness,
     ) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
         for (channel, _) in log.contents.channels_with_messages() {
@@ -56,7 +61,21 @@ impl<'a> LogSearch<'a> {
             topics,
             namespace: request.namespace.as_deref(),
             requested: &request.roles,
+            velocity_from: request.velocity_from,
+            thoroughness,
         }
+    }
+
+    /// Whether it matters which of several places a kind of sample is read from, so that their messages are looked at.
+    pub fn looks_at(&self, kind: Kind) -> bool {
+        self.thoroughness == Thoroughness::All || derived_from(self.velocity_from).contains(&kind)
+    }
+
+    /// How many messages a topic has.
+    pub fn messages_on(&self, topic: &str) -> u64 {
+        let counts = &self.log.contents.statistics.channel_message_counts;
+        let channels = self.topics[topic].iter();
+        channels.filter_map(|channel| counts.get(&channel.id)).sum()
     }
 
     /// Checks that the log has the namespace and the topics that the user names.
@@ -130,7 +149,7 @@ impl<'a> LogSearch<'a> {
         any_or_first_misfit(namespaces.iter().map(|namespace| {
             let search = self.search(profile, Specificity::Topic, namespace);
             let attitude = search.attitude()?;
-            let own = attitude.topic.clone();
+            let own = attitude.origin.topic.clone();
             search.complete(attitude, &own)
         }))
     }
@@ -140,7 +159,7 @@ impl<'a> LogSearch<'a> {
         let namespace = self.namespace.unwrap_or_default();
         let search = self.search(profile, Specificity::Fields, namespace);
         let attitude = search.attitude()?;
-        let own = attitude.topic.clone();
+        let own = attitude.origin.topic.clone();
         search.complete(attitude, &own)
     }
 
@@ -155,7 +174,7 @@ impl<'a> LogSearch<'a> {
         let search = self.search(profile, by_content, self.namespace.unwrap_or_default());
         let attitude = search.attitude()?;
         let complete = |own: &str| search.complete(attitude.clone(), own);
-        let here = complete(&attitude.topic);
+        let here = complete(&attitude.origin.topic);
         match &here {
             Ok(fit) if !self.adds(fit) => {}
             Err(Unfit::Misfit(_)) => {}
@@ -184,7 +203,11 @@ impl<'a> LogSearch<'a> {
     pub fn left_to_profiles(&self) -> Vec<Kind> {
         let is_given =
             |kind: &Kind| matches!(self.requested.get(kind), Some(RoleArgument::Fields(_)));
-        let kinds = [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position];
+        let (used, unused) = match self.velocity_from {
+            VelocityFrom::Messages => (Kind::Velocity, Kind::Position),
+            VelocityFrom::Position => (Kind::Position, Kind::Velocity),
+        };
+        let kinds = [Kind::Attitude, used, Kind::Gimbal, unused];
         kinds.into_iter().filter(|kind| !is_given(kind)).collect()
     }
 
@@ -234,20 +257,20 @@ impl<'a> LogSearch<'a> {
     ) -> Result<Vec<Fit>, Unfit> {
         let namespace = self.namespace.unwrap_or_default();
         let search = self.search(profile, by_content, namespace);
-        let mut attitudes = Vec::new();
+        let mut fitting = Vec::new();
         let mut misfits = Vec::new();
         for topic in (self.topics.keys()).filter(|topic| is_within(topic, namespace)) {
-            match search.data_point(topic) {
-                Ok(attitude) => attitudes.push(attitude),
+            match search.check_data_point(topic) {
+                Ok(()) => fitting.push(topic),
                 Err(error) => misfits.push(TopicMisfit::new(topic, error.unless_of_reading()?)),
             }
         }
-        if attitudes.is_empty() {
-            return Err(no_topic(profile, misfits).into());
+        if fitting.is_empty() {
+            return Err(self.no_topic(profile, misfits).into());
         }
-        any_or_first_misfit(attitudes.into_iter().map(|attitude| {
-            let own = attitude.topic.clone();
-            search.complete(attitude, &own)
+        any_or_first_misfit(fitting.into_iter().map(|topic| {
+            let attitude = search.choose(Kind::Attitude, Some(topic))?;
+            search.complete(attitude, topic)
         }))
     }
 
@@ -287,6 +310,35 @@ impl<'a> LogSearch<'a> {
         let messages = self.examples.of(channel.id)?;
         Ok(FirstMessages::Given(messages.to_vec()))
     }
+
+    /// Why a profile that names no topics does not fit, if something is missing on every topic.
+    fn no_topic(&self, profile: &Profile, misfits: Vec<TopicMisfit>) -> Misfit {
+        let fields = self.required_fields(profile);
+        let (opaque, known): (Vec<_>, Vec<_>) =
+            misfits.into_iter().partition(TopicMisfit::is_opaque);
+        let nearest = known.into_iter().min_by_key(TopicMisfit::missing_fields);
+        let nearest = nearest.filter(|misfit| misfit.missing_fields() < fields.len());
+        let nearest = nearest.or_else(|| opaque.into_iter().next());
+        let attitude = profile.alternatives(Kind::Attitude).first();
+        let schemas = attitude.map_or(&[][..], |alternative| &alternative.location.schemas);
+        match schemas {
+            [] => Misfit::NoSuchFields { fields, nearest },
+            schemas => Misfit::NoSuchType {
+                schemas: schemas.iter().map(Foreign::from).collect(),
+                nearest,
+            },
+        }
+    }
+
+    /// The fields that a message must have for a profile that names no topics.
+    fn required_fields(&self, profile: &Profile) -> Vec<FieldPath> {
+        let [attitude, velocity] = [Kind::Attitude, self.velocity_from.kind()]
+            .map(|kind| profile.alternatives(kind).first());
+        let velocity = velocity.filter(|_| profile.requires_velocity());
+        let alternatives = attitude.into_iter().chain(velocity);
+        let fields = alternatives.flat_map(|alternative| alternative.fields.fields());
+        fields.cloned().collect()
+    }
 }
 
 /// The fits, or why there is none at the first place that was looked at.
@@ -308,32 +360,4 @@ fn any_or_first_misfit(
         Some(misfit) if fits.is_empty() => Err(misfit.into()),
         _ => Ok(fits),
     }
-}
-
-/// Why a profile that names no topics does not fit, if something is missing on every topic.
-fn no_topic(profile: &Profile, misfits: Vec<TopicMisfit>) -> Misfit {
-    let fields = required_fields(profile);
-    let (opaque, known): (Vec<_>, Vec<_>) = misfits.into_iter().partition(TopicMisfit::is_opaque);
-    let nearest = known.into_iter().min_by_key(TopicMisfit::missing_fields);
-    let nearest = nearest.filter(|misfit| misfit.missing_fields() < fields.len());
-    let nearest = nearest.or_else(|| opaque.into_iter().next());
-    let attitude = profile.alternatives(Kind::Attitude).first();
-    let schemas = attitude.map_or(&[][..], |alternative| &alternative.location.schemas);
-    match schemas {
-        [] => Misfit::NoSuchFields { fields, nearest },
-        schemas => Misfit::NoSuchType {
-            schemas: schemas.iter().map(Foreign::from).collect(),
-            nearest,
-        },
-    }
-}
-
-/// The fields that a message must have for a profile that names no topics.
-fn required_fields(profile: &Profile) -> Vec<FieldPath> {
-    let [attitude, velocity] =
-        [Kind::Attitude, Kind::Velocity].map(|kind| profile.alternatives(kind).first());
-    let velocity = velocity.filter(|velocity| velocity.fields.is_required());
-    let alternatives = attitude.into_iter().chain(velocity);
-    let fields = alternatives.flat_map(|alternative| alternative.fields.fields());
-    fields.cloned().collect()
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mcap::records::Channel;
 
-use super::{Fit, LogSearch, fit::Specificity};
+use super::{Fit, LogSearch, choice::Chosen, fit::Specificity, places::Schemas};
 use crate::{
     log::ReadError,
     sample::Kind,
@@ -31,38 +31,42 @@ pub struct NamespaceSearch<'a> {
     pub namespace: &'a str,
 }
 
-impl NamespaceSearch<'_> {
+impl<'a> NamespaceSearch<'a> {
     /// Finds the attitude on the topics that the profile names.
-    pub fn attitude(&self) -> Result<Origin, Unfit> {
+    pub fn attitude(&self) -> Result<Chosen, Unfit> {
         let attitude = self.choose(Kind::Attitude, None);
         attitude.map_err(|unfit| self.as_requested(Kind::Attitude, unfit))
     }
 
-    /// Finds the attitude on any one topic, which must also have the velocity if that is required and not requested
-    /// from elsewhere.
-    pub fn data_point(&self, topic: &str) -> Result<Origin, BindError> {
-        let bind = |kind| self.bind(kind, topic, &self.at_topic(kind, topic, topic));
+    /// Checks that any one topic has the attitude, and also what the velocity is taken from if that is required and not
+    /// requested from elsewhere.
+    pub fn check_data_point(&self, topic: &str) -> Result<(), BindError> {
+        let mut schemas = Schemas::new();
+        let mut bind = |kind| {
+            let alternatives = self.at_topic(kind, topic, topic, 0);
+            self.bind(&mut schemas, kind, topic, &alternatives)
+        };
         let attitude = bind(Kind::Attitude);
-        let is_elsewhere = self.is_requested(Kind::Velocity);
-        if is_elsewhere || !self.requires(Kind::Velocity) {
-            return attitude;
+        let velocity = self.log_search.velocity_from.kind();
+        if self.is_requested(velocity) || !self.requires(velocity) {
+            return attitude.map(drop);
         }
-        match (attitude, bind(Kind::Velocity)) {
-            (Ok(attitude), velocity) => velocity.map(|_| attitude),
+        match (attitude, bind(velocity)) {
+            (Ok(_), velocity) => velocity.map(drop),
             (Err(error), velocity) => Err(error.and(velocity.err())),
         }
     }
 
     /// Adds to an attitude whatever else the profile finds; roles without topics of their own on the topic `own`.
-    pub fn complete(&self, attitude: Origin, own: &str) -> Result<Fit, Unfit> {
+    pub fn complete(&self, attitude: Chosen, own: &str) -> Result<Fit, Unfit> {
         let mut others = BTreeMap::new();
         for kind in Kind::ALL.into_iter().filter(|&kind| kind != Kind::Attitude) {
-            let origin = match self.choose(kind, Some(own)) {
-                Ok(origin) => Ok(origin),
+            let chosen = match self.choose(kind, Some(own)) {
+                Ok(chosen) => Ok(chosen),
                 Err(Unfit::Misfit(misfit)) if !self.needs(kind, &misfit) => Err(misfit),
                 Err(unfit) => return Err(self.as_requested(kind, unfit)),
             };
-            others.insert(kind, origin);
+            others.insert(kind, chosen);
         }
         Ok(Fit {
             namespace: self.namespace.to_owned(),
@@ -76,13 +80,14 @@ impl NamespaceSearch<'_> {
     fn needs(&self, kind: Kind, misfit: &Misfit) -> bool {
         // There are messages where the profile expects the velocity, but they are not what it expects.
         let is_fault = matches!(misfit, Misfit::Messages(misfit) if !misfit.is_of_frames());
-        self.requires(kind) || kind == Kind::Velocity && is_fault
+        let is_for_velocity = kind == self.log_search.velocity_from.kind();
+        self.requires(kind) || is_for_velocity && is_fault
     }
 
     /// Whether the profile does not fit a log without samples of a kind.
     fn requires(&self, kind: Kind) -> bool {
-        let mut alternatives = self.profile.alternatives(kind).iter();
-        self.is_requested(kind) || alternatives.any(|one| one.fields.is_required())
+        let is_for_velocity = kind == self.log_search.velocity_from.kind();
+        self.is_requested(kind) || is_for_velocity && self.profile.requires_velocity()
     }
 
     fn is_requested(&self, kind: Kind) -> bool {
@@ -101,43 +106,15 @@ impl NamespaceSearch<'_> {
 
     /// The pattern of a topic: the profile's in the namespace, or the user's as it is, since that names the topic as
     /// the log does.
-    fn pattern(&self, kind: Kind, topic: &str) -> Pattern {
+    pub fn pattern(&self, kind: Kind, topic: &str) -> Pattern {
         match self.is_requested(kind) {
             true => Pattern::new("", topic),
             false => Pattern::new(self.namespace, topic),
         }
     }
 
-    /// Finds the first of a role's topics that has messages with the fields; `own` is the one that roles without topics are read from.
-    fn choose(&self, kind: Kind, own: Option<&str>) -> Result<Origin, Unfit> {
-        let mut fault = None;
-        for alternative in self.profile.alternatives(kind) {
-            let topics = alternative.location.topics.iter();
-            let named = topics.flat_map(|topic| {
-                let pattern = self.pattern(kind, topic);
-                pattern.matches(self.log_search.topics.keys().copied())
-            });
-            let own = own.filter(|_| alternative.location.topics.is_empty());
-            for topic in named.chain(own) {
-                match self.bind(kind, topic, &[alternative]) {
-                    Ok(origin) => return Ok(origin),
-                    // An alternative for another type of message says nothing about this one.
-                    Err(BindError::OtherType { .. }) => {}
-                    Err(error) => {
-                        let misfit = TopicMisfit::new(topic, error.unless_of_reading()?);
-                        fault.get_or_insert(misfit);
-                    }
-                }
-            }
-        }
-        Err(match fault {
-            Some(fault) => Misfit::Messages(fault).into(),
-            None => self.why_nowhere(kind, own).into(),
-        })
-    }
-
     /// Why a role is on none of the log's topics.
-    fn why_nowhere(&self, kind: Kind, own: Option<&str>) -> Misfit {
+    pub fn why_nowhere(&self, kind: Kind, own: Option<&str>) -> Misfit {
         let alternatives = self.profile.alternatives(kind);
         let mut topics: Vec<Foreign> = Vec::new();
         for topic in alternatives.iter().flat_map(|one| &one.location.topics) {
@@ -157,10 +134,12 @@ impl NamespaceSearch<'_> {
         }
     }
 
-    /// The alternatives of a role that are meant for a topic; `own` is the one that roles without topics are read from.
-    fn at_topic(&self, kind: Kind, topic: &str, own: &str) -> Vec<&Alternative> {
+    /// The alternatives of a role that are meant for a topic, from the one with the number `first` on; `own` is the one
+    /// that roles without topics are read from.
+    fn at_topic(&self, kind: Kind, topic: &str, own: &str, first: usize) -> Vec<&Alternative> {
         let alternatives = self.profile.alternatives(kind).iter();
         alternatives
+            .skip(first)
             .filter(|alternative| self.is_at(kind, alternative, topic, own))
             .collect()
     }
@@ -175,8 +154,9 @@ impl NamespaceSearch<'_> {
     }
 
     /// Resolves the fields of some alternatives against every channel of a topic.
-    fn bind(
+    pub fn bind(
         &self,
+        schemas: &mut Schemas<'a>,
         kind: Kind,
         topic: &str,
         alternatives: &[&Alternative],
@@ -184,8 +164,8 @@ impl NamespaceSearch<'_> {
         let (mut fields, mut select) = (Vec::new(), Vec::new());
         for channel in &self.log_search.topics[topic] {
             let alternatives = self.for_channel(channel, alternatives)?;
-            let schema = self.log_search.schema(channel)?;
-            let mut binder = Binder::new(&schema, self.name_of(channel));
+            let schema = self.schema_of(channel, schemas)?;
+            let mut binder = Binder::new(schema, self.name_of(channel));
             let role = bind_role(
                 &mut binder,
                 self.profile,
@@ -234,8 +214,8 @@ impl NamespaceSearch<'_> {
     /// kinds of sample.
     pub fn confirms(&self, fit: &Fit, kinds: &[Kind]) -> bool {
         let is_same = |(kind, origin): (Kind, &Origin)| {
-            let alternatives = self.at_topic(kind, &origin.topic, &fit.own);
-            let bound = self.bind(kind, &origin.topic, &alternatives);
+            let alternatives = self.at_topic(kind, &origin.topic, &fit.own, fit.first(kind));
+            let bound = self.bind(&mut Schemas::new(), kind, &origin.topic, &alternatives);
             bound.is_ok_and(|bound| bound == *origin)
         };
         (kinds.iter())
@@ -260,34 +240,44 @@ impl NamespaceSearch<'_> {
             .iter()
             .flat_map(|topic| &self.log_search.topics[topic])
         {
-            let kinds = (roles.iter())
+            let roles = (roles.iter())
                 .filter(|(_, role)| role.topic == channel.topic)
-                .map(|(&kind, _)| kind);
-            let reader = match self.reader(channel, kinds, &fit.own) {
-                Ok(reader) => reader,
-                Err(error) => return Err(self.does_not_fit(channel, error)?),
-            };
+                .map(|(&kind, _)| (kind, fit.first(kind)));
+            let reader = self.reader(channel, roles, &fit.own)?;
             channels.insert(channel.id, reader);
         }
         Ok(channels)
     }
 
-    /// Makes a reader of a channel for some kinds of sample; `own` is the one that roles without topics are read from.
-    fn reader(
+    /// Makes a reader of a channel for some kinds of sample, each with the number of the first alternative that reads it;
+    /// `own` is the topic that roles without topics are read from.
+    pub fn reader(
         &self,
         channel: &Channel,
-        kinds: impl Iterator<Item = Kind>,
+        roles: impl Iterator<Item = (Kind, usize)>,
+        own: &str,
+    ) -> Result<ChannelReader, TelemetryError> {
+        match self.bound_reader(channel, roles, own) {
+            Ok(reader) => Ok(reader),
+            Err(error) => Err(self.does_not_fit(channel, error)?),
+        }
+    }
+
+    fn bound_reader(
+        &self,
+        channel: &Channel,
+        roles: impl Iterator<Item = (Kind, usize)>,
         own: &str,
     ) -> Result<ChannelReader, BindError> {
         let schema = self.log_search.schema(channel)?;
         let mut binder = Binder::new(&schema, self.name_of(channel));
-        let bind = |kind| {
-            let alternatives = self.at_topic(kind, &channel.topic, own);
+        let bind = |(kind, first)| {
+            let alternatives = self.at_topic(kind, &channel.topic, own, first);
             let alternatives = self.for_channel(channel, &alternatives)?;
             let said_by = self.said_by(kind);
             bind_role(&mut binder, self.profile, said_by, kind, &alternatives)
         };
-        let roles: Vec<BoundRole> = kinds.map(bind).collect::<Result<_, _>>()?;
+        let roles: Vec<BoundRole> = roles.map(bind).collect::<Result<_, _>>()?;
         ChannelReader::new(&schema, &binder.wanted, roles)
     }
 

@@ -151,6 +151,7 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
                 "velocity": role(["vx", "vy", "vz"], 5, json!({}), vector, velocity),
                 "position": null,
             },
+            "velocity_from": "messages",
             "would_write": [
                 {
                     "topic": "/camera/relative_rpy",

@@ -87,7 +87,7 @@ impl Motion {
         for &sample in samples {
             transform.push(sample, &mut derived);
         }
-        transform.finish();
+        transform.finish(&mut derived);
         let mut motion = Self::default();
         for Derived { stamp, value } in derived {
             match value {

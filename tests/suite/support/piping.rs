@@ -59,11 +59,12 @@ pub fn pipe(
 pub fn telemetry(log: &Log, request: &Request) -> Result<(String, Vec<String>), String> {
     let source = Source::compare(log, request).map_err(|error| error.to_string())?;
     let selected = format!(
-        "{:?} {:?} {:#?} {:#?} {:?}",
+        "{:?} {:?} {:#?} {:#?} {:#?} {:?}",
         source.profile.name,
         source.namespace(),
         source.roles(),
         source.runners_up,
+        source.passed_over,
         source.channel_ids(),
     );
     let mut samples = Vec::new();

@@ -28,7 +28,7 @@ const NAMES: [&str; 16] = [
 ];
 
 /// What a user may ask of them, as options of the command line.
-pub const REQUESTS: [&[(&str, &str)]; 14] = [
+pub const REQUESTS: [&[(&str, &str)]; 15] = [
     &[],
     &[],
     &[],
@@ -46,6 +46,7 @@ pub const REQUESTS: [&[(&str, &str)]; 14] = [
         ("--namespace", "/drone1"),
     ],
     &[("--position", "/odom"), ("--gimbal", "/odom.q:earth")],
+    &[("--velocity-from", "position")],
 ];
 
 fn any_topic() -> impl Strategy<Value = Topic> {

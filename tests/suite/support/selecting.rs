@@ -3,7 +3,7 @@
 use flightcam::{
     Error,
     log::Log,
-    sample::Kind,
+    sample::{Kind, VelocityFrom},
     source::{
         Source,
         profile::{Profile, ProfileChoice},
@@ -23,6 +23,10 @@ pub fn request(arguments: &[(&str, &str)]) -> Request {
                 request.profile = ProfileChoice::Given(Box::new(profile));
             }
             "--namespace" => request.namespace = Some(value.to_owned()),
+            "--velocity-from" => {
+                assert_eq!(value, VelocityFrom::Position.name());
+                request.velocity_from = VelocityFrom::Position;
+            }
             option => {
                 let name = |kind: &Kind| format!("--{}", kind.name());
                 let role = Kind::ALL.into_iter().find(|kind| name(kind) == option);

@@ -103,7 +103,7 @@ fn run_at_depression(degrees: f64, samples: &[Sample]) -> Run {
     for sample in samples {
         transform.push(*sample, &mut derived);
     }
-    let outcome = transform.finish();
+    let outcome = transform.finish(&mut derived);
     Run { derived, outcome }
 }
 

@@ -87,7 +87,7 @@ fn run_with(camera: Camera, samples: &[Sample]) -> Run {
     for sample in samples {
         transform.push(*sample, &mut derived);
     }
-    let outcome = transform.finish();
+    let outcome = transform.finish(&mut derived);
     Run { derived, outcome }
 }
 
@@ -273,6 +273,7 @@ fn positions_are_ignored() {
     let position = Sample::Position(PositionSample {
         stamp: at(1.0),
         position: Position::Local(Vector3::zeros()),
+        resets: None,
     });
     let run = run(&[gimbal(1.0, 0.0), yaw(1.0, 0.0), position, position]);
     assert_eq!(run.outcome.tallies[Kind::Position].total(), 0);

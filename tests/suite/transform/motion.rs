@@ -50,11 +50,12 @@ fn outcome(samples: &[Sample], min_interval: f64) -> (Outcome, Vec<u64>) {
     for &sample in samples {
         transform.push(sample, &mut derived);
     }
+    let outcome = transform.finish(&mut derived);
     let turns = derived
         .iter()
         .filter(|one| one.quantity() == Quantity::RelativeRpy);
     let times = turns.map(|one| one.stamp.log_time).collect();
-    (transform.finish(), times)
+    (outcome, times)
 }
 
 fn motion(samples: &[Sample]) -> Motion {

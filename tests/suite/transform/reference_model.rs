@@ -327,7 +327,7 @@ proptest! {
             let is_read = camera == Camera::Gimbal || sample.kind() != Kind::Gimbal;
             prop_assert!(!is_read || derived.len() >= due.count(), "held back longer than a gap");
         }
-        let outcome = transform.finish();
+        let outcome = transform.finish(&mut derived);
         prop_assert_eq!(outcome.tallies, expected.outcome.tallies);
         prop_assert_eq!(outcome.breaks, expected.outcome.breaks);
         prop_assert_eq!(derived.len(), expected.derived.len());

@@ -37,7 +37,7 @@ fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_it_has()
         "/imu",
         [json!({ "roll": 0, "pitch": 0, "yaw": 0, "vx": 0 })],
     );
-    let fields = "`roll`, `pitch`, `yaw`, `vx`, `vy`, `vz`";
+    let fields = "`roll`, `pitch`, `yaw`, `vn`, `ve`, `vd`";
     let nearest = format!(
         "{fields}; /imu comes closest: it has no field `vy`, `vz`; … with the most fields has pitch, roll, vx, yaw"
     );

@@ -66,6 +66,7 @@ fn the_json_report_has_every_number() {
         },
         "camera": { "kind": "stabilised", "depression_deg": 30.0, "yaw_offset_deg": 0.0 },
         "gimbal": null,
+        "position": null,
         "max_gap_s": 5.0,
         "min_interval_s": 0.0,
         "motion": {},
