@@ -41,6 +41,7 @@
 //! | `derived` | what flows from transform to writer | geometry, sample |
 //! | `camera` | how the camera is mounted on the drone | geometry, sample, derived |
 //! | `transform` | samples → derived values, a state machine without I/O | the four above |
+//! | `check` | samples → what a flight's own numbers say about how its log was read, without I/O | geometry, sample |
 //! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nothing |
 //! | `log` | the MCAP container: what a log contains and where, its messages | fs, text |
 //! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log, similar |
@@ -73,6 +74,8 @@ mod similar;
 
 #[doc(hidden)]
 pub mod camera;
+#[doc(hidden)]
+pub mod check;
 #[doc(hidden)]
 pub mod clock;
 #[doc(hidden)]

@@ -116,6 +116,17 @@ pub enum GimbalReference {
     Airframe,
 }
 
+impl GimbalReference {
+    /// The name in profiles and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            GimbalReference::Earth => "earth",
+            GimbalReference::Heading => "heading",
+            GimbalReference::Airframe => "airframe",
+        }
+    }
+}
+
 /// Where the drone is at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionSample {
