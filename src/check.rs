@@ -1,11 +1,11 @@
 //! What a flight's own numbers say about how its log was read.
 //!
 //! A [`Recorder`] keeps what is needed of the samples, in little memory. With the [`Claims`], how they were read, it
-//! compares the series with each other: the velocity with the positions ([`displacement`]) and with what the
-//! accelerometer felt ([`inertia`]); the attitude with the angular rates ([`turning`]), with gravity ([`gravity`]) and
-//! with how the drone leans where it accelerates ([`lean`]); the gimbal's angles with the drone's ([`gimbal`]). Each
-//! comparison is made under all sensible readings, and [`residual`] states what it takes to prove one and to condemn one.
-//! What a series shows by itself, as one that jumps to and fro ([`jumps`]) or has only one time ([`times`]), is an
+//! compares the series with each other: the velocity with the positions (`displacement`) and with what the
+//! accelerometer felt (`inertia`); the attitude with the angular rates (`turning`), with gravity (`gravity`) and
+//! with how the drone leans where it accelerates (`lean`); the gimbal's angles with the drone's (`gimbal`). Each
+//! comparison is made under all sensible readings, and `residual` states what it takes to prove one and to condemn one.
+//! What a series shows by itself, as one that jumps to and fro (`jumps`) or has only one time (`times`), is an
 //! [`Oddity`].
 //!
 //! # Tolerances

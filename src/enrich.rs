@@ -113,7 +113,9 @@ fn write(
             |derivation: Derivation| Findings::new(original, options, camera, encoding, derivation);
         // If nothing can be derived, nothing is created.
         let Some(first) = job.next() else {
-            let findings = findings(job.finish()?).with_positions(telemetry);
+            let derivation = job.finish()?;
+            judge(&derivation, &original.log, options)?;
+            let findings = findings(derivation).with_positions(telemetry);
             return Err(nothing_derived(&findings, &original.log).into());
         };
 
@@ -122,10 +124,13 @@ fn write(
         let derivation = sink.take(&first).and_then(|()| job.feed(&mut sink));
         match derivation {
             Ok(derivation) => {
-                if let Err(error) = judge(&derivation, &original.log, options) {
-                    return Err(sink.give_up(error));
-                }
-                let findings = findings(derivation).with_positions(telemetry);
+                let oddities = match judge(&derivation, &original.log, options) {
+                    Ok(oddities) => oddities,
+                    Err(error) => return Err(sink.give_up(error)),
+                };
+                let findings = findings(derivation)
+                    .with(oddities)
+                    .with_positions(telemetry);
                 let (written, grown_by) = sink.finish(findings.facts())?;
                 Ok(findings.report(output, written, grown_by))
             }

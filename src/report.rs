@@ -101,6 +101,7 @@ impl DeriveReport {
             source,
             outcome,
             clock_steps,
+            ..
         } = derivation;
         let Outcome {
             tallies,

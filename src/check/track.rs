@@ -1,5 +1,7 @@
 //! Series of samples over time: their values between samples, and their integrals.
 
+use std::array;
+
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::geometry::slerp;
@@ -71,9 +73,9 @@ impl<const N: usize> Integral<N> {
             if let Some(last) = points.last() {
                 let step = time - last.time;
                 gaps = last.gaps + u32::from(step > LONGEST_GAP);
-                for place in 0..N {
-                    sum[place] = last.sum[place] + 0.5 * step * (last.value[place] + value[place]);
-                }
+                sum = array::from_fn(|place| {
+                    last.sum[place] + 0.5 * step * (last.value[place] + value[place])
+                });
             }
             points.push(Point {
                 time,
@@ -89,13 +91,7 @@ impl<const N: usize> Integral<N> {
     pub fn over(&self, from: f64, to: f64) -> Option<[f64; N]> {
         let (start, gaps_at_start) = self.up_to(from)?;
         let (end, gaps_at_end) = self.up_to(to)?;
-        (gaps_at_start == gaps_at_end).then(|| {
-            let mut difference = end;
-            for place in 0..N {
-                difference[place] -= start[place];
-            }
-            difference
-        })
+        (gaps_at_start == gaps_at_end).then(|| array::from_fn(|place| end[place] - start[place]))
     }
 
     fn up_to(&self, time: f64) -> Option<([f64; N], u32)> {
@@ -110,11 +106,10 @@ impl<const N: usize> Integral<N> {
             return None;
         }
         let fraction = step / (after.time - before.time);
-        let mut sum = before.sum;
-        for place in 0..N {
+        let sum = array::from_fn(|place| {
             let change = after.value[place] - before.value[place];
-            sum[place] += step * (before.value[place] + 0.5 * fraction * change);
-        }
+            before.sum[place] + step * (before.value[place] + 0.5 * fraction * change)
+        });
         Some((sum, before.gaps))
     }
 }

@@ -1,5 +1,6 @@
 //! Hints: what to do about an error, in terms of the command line.
 
+mod contradiction;
 mod foreign;
 mod telemetry;
 
@@ -41,6 +42,9 @@ pub fn hint(error: &Error) -> Option<String> {
         Error::Telemetry(error) => return telemetry::hint(error),
         Error::Run(RunError::PassedOn { cause }) => return hint(cause),
         Error::Run(RunError::NothingDerived { missing, .. }) => return Some(of_nothing(missing)),
+        Error::Run(RunError::Contradicted {
+            findings, asked, ..
+        }) => return Some(contradiction::hint(findings, asked)),
         Error::Run(error) => of_the_run(error)?,
         _ => return None,
     };

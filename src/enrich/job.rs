@@ -9,6 +9,7 @@ use std::{
 use super::Sink;
 use crate::{
     camera::Camera,
+    check::Recorder,
     derived::Derived,
     log::{Log, ReadError},
     options::Options,
@@ -119,6 +120,7 @@ fn derive(
     };
     let mut derived = Vec::with_capacity(BATCH);
     let mut epoch = 0;
+    let mut recorder = Box::<Recorder>::default();
     let read = reader.for_each(|arrival| {
         // Checked for each sample, because many of them may yield no value.
         run.go_on()?;
@@ -129,6 +131,7 @@ fn derive(
             }
             epoch = arrival.epoch;
         }
+        recorder.push(&arrival.sample);
         transform.push(arrival.sample, &mut derived);
         match derived.len() < BATCH {
             true => Ok(()),
@@ -141,5 +144,5 @@ fn derive(
     }
     run.read(total);
     run.go_on()?;
-    Ok(Derivation::new(read, outcome))
+    Ok(Derivation::new(read, outcome, recorder))
 }

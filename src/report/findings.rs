@@ -13,6 +13,7 @@ use super::{
 };
 use crate::{
     camera::Camera,
+    check::{Oddity, Recorder},
     clock::ClockStep,
     derived::Quantity,
     log::{Log, ScanReason},
@@ -33,16 +34,19 @@ pub struct Derivation {
     pub outcome: Outcome,
     /// Where the times of messages go back.
     pub clock_steps: Vec<ClockStep>,
+    /// What is needed of the samples to judge how they were read.
+    pub recorder: Box<Recorder>,
 }
 
 impl Derivation {
     /// Of what was read, and what the transform made of it.
-    pub fn new(read: ReadOut, mut outcome: Outcome) -> Self {
+    pub fn new(read: ReadOut, mut outcome: Outcome, recorder: Box<Recorder>) -> Self {
         outcome.tallies.merge(&read.dropped);
         Self {
             source: read.source,
             outcome,
             clock_steps: read.clock_steps,
+            recorder,
         }
     }
 }
@@ -60,6 +64,7 @@ pub struct Findings<'a> {
     clock_steps: Vec<ClockStep>,
     /// The topic of usable positions, if there is no usable velocity.
     positions: Option<Foreign>,
+    oddities: Vec<Oddity>,
 }
 
 impl<'a> Findings<'a> {
@@ -79,6 +84,7 @@ impl<'a> Findings<'a> {
                     motion,
                 },
             clock_steps,
+            ..
         } = derivation;
         let kinds = options.needed_kinds(camera).into_iter();
         let read = kinds.map(|kind| (kind, SampleReport::new(&source, &tallies, kind)));
@@ -96,6 +102,7 @@ impl<'a> Findings<'a> {
             breaks,
             motion,
             clock_steps,
+            oddities: Vec::new(),
             source,
             positions: None,
         }
@@ -126,6 +133,11 @@ impl<'a> Findings<'a> {
             positions: (self.positions.clone()).filter(|_| reason.is_about(Kind::Velocity)),
             reason,
         }
+    }
+
+    /// The same with what is odd about the samples, but may be right.
+    pub fn with(self, oddities: Vec<Oddity>) -> Self {
+        Self { oddities, ..self }
     }
 
     /// Why a quantity has no messages, if it has none.
@@ -249,12 +261,14 @@ impl<'a> Findings<'a> {
             Note::on_clock_steps(&self.clock_steps),
             Note::on_suspicious_angle(&self.source, &self.options.telemetry),
         ];
+        let odd = self.oddities.iter().filter_map(Note::on_oddity);
         let unmet = Note::on_unmet_conditions(&self.source);
         let passed_over = Note::on_passed_over(&self.source);
         let ros2 = ros2::notes(log, output, self.options.encoding, self.encoding.name);
         notes
             .into_iter()
             .flatten()
+            .chain(odd)
             .chain(unmet)
             .chain(passed_over)
             .chain(ros2)

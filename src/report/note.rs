@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{CameraReport, lossy};
 use crate::{
+    check::Oddity,
     clock::ClockStep,
     log::Log,
     sample::Kind,
@@ -102,6 +103,16 @@ pub enum Note {
         /// How the user asked for these angles.
         asked: HowAsked,
     },
+    /// The drone leans by more than 60° most of the time, as a tailsitter does; or it is another thing's attitude.
+    OnItsSide {
+        /// In which share of the samples.
+        share: f64,
+    },
+    /// The gimbal points up nearly all the time, as under a bridge; or its sign is wrong.
+    GimbalUp {
+        /// In which share of the samples.
+        share: f64,
+    },
     /// Samples were left out because no condition of the profile holds for their messages.
     UnmetConditions {
         /// Samples of what.
@@ -147,6 +158,18 @@ impl Note {
         let lost_bytes = log.file.length() - offset;
         (lost_bytes > 0).then_some(Self::BreaksOff { offset, lost_bytes })
     }
+
+    /// A note on what is odd about samples, but may be right.
+    pub(crate) fn on_oddity(oddity: &Oddity) -> Option<Self> {
+        match *oddity {
+            Oddity::OnItsSide { share } => Some(Self::OnItsSide { share }),
+            Oddity::GimbalUp { share } => Some(Self::GimbalUp { share }),
+            Oddity::OneTime { .. } | Oddity::ToAndFro { .. } | Oddity::ScalarElsewhere { .. } => {
+                None
+            }
+        }
+    }
+
     /// A note for a log whose file has become longer since it was opened.
     pub(crate) fn on_growth(added_bytes: u64) -> Option<Self> {
         (added_bytes > 0).then_some(Self::Grew { added_bytes })

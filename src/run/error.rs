@@ -1,8 +1,11 @@
 //! Errors of a run as a whole.
 
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
-use crate::{error::Error, report::MissingTopic, text, writer::original::Lost};
+use crate::{
+    check::Findings, error::Error, report::MissingTopic, sample::Kind, source::request::HowAsked,
+    text, writer::original::Lost,
+};
 
 /// Why a run has no result, apart from problems with its input and its output.
 #[derive(Debug, thiserror::Error)]
@@ -18,6 +21,17 @@ pub enum RunError {
     NothingDerived {
         path: PathBuf,
         missing: Vec<MissingTopic>,
+    },
+
+    #[error(
+        "{}: its own numbers show that it was read wrongly{findings}",
+        text::path(path)
+    )]
+    Contradicted {
+        path: PathBuf,
+        findings: Box<Findings>,
+        /// How the user asked for each kind of sample.
+        asked: BTreeMap<Kind, HowAsked>,
     },
 
     #[error("{}: cannot be restored: {reason}", text::path(path))]

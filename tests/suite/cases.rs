@@ -150,3 +150,15 @@ fn a_clock_that_is_set_back() {
         assert_as_expected(messages, &csv);
     }
 }
+
+/// Two gimbals on one topic, and nothing in the messages that tells them apart
+/// (https://github.com/mavlink/mavros/issues/2004).
+#[test]
+fn two_gimbals_that_nothing_tells_apart() {
+    let words = "the gimbal jumps to and fro by up to 57°, 239 times in 239 steps, as where several sources \
+         write to one topic, and no field is known that tells them apart … --trust goes on regardless";
+    refuses("dual-gimbal-mavros", "", words);
+    let log = fs::read(fixture("dual-gimbal-mavros.mcap")).expect("the log");
+    let folder = Folder::with("input.mcap", log);
+    folder.writes("result.mcap", "enrich input.mcap -o result.mcap --trust", 0);
+}

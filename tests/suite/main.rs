@@ -20,6 +20,19 @@ mod restore;
 // Text from elsewhere, as it is shown.
 mod text;
 
+mod check {
+    // What a gimbal's angles are measured from.
+    mod gimbal;
+    // Flights with manoeuvres, read rightly and wrongly.
+    mod readings;
+    // What is kept of a long flight.
+    mod recorder;
+    // What a series shows by itself.
+    mod series;
+    // Clocks that differ.
+    mod times;
+}
+
 mod cli {
     mod camera_and_telemetry;
     mod completions_and_manual;
@@ -59,6 +72,8 @@ mod enrich {
     mod changed_log;
     // Clocks that were set back.
     mod clock_steps;
+    // Logs whose own numbers show that they were read wrongly.
+    mod contradicted;
     mod disk_full;
     // What reaches the disk before what.
     mod durability;

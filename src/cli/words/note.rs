@@ -99,6 +99,15 @@ fn on_the_samples(note: &Note) -> Option<String> {
             if *samples == 1 { "was" } else { "were" },
             text::join(conditions, "; ")
         ),
+        Note::OnItsSide { share } => format!(
+            "the drone leans by more than 60° in {:.0} % of the attitude samples, as a tailsitter does; or it is the \
+             attitude of another thing, as of a sensor",
+            share * 100.0
+        ),
+        Note::GimbalUp { share } => format!(
+            "the gimbal points up in {:.0} % of its samples, as under a bridge; or its angles are positive downwards",
+            share * 100.0
+        ),
         Note::SuspiciousAngle { topic, angle, unit, .. } if *angle >= 1e9 => format!(
             "{topic} has an angle of {angle:e}, read as {} like all of its angles, which no drone turns by",
             unit.name()

@@ -55,8 +55,10 @@ fn angles_from(
 }
 
 /// A flight, and its attitudes with their times.
-fn flight() -> &'static (Vec<State>, Vec<(f64, UnitQuaternion<f64>)>) {
-    static FLIGHT: OnceLock<(Vec<State>, Vec<(f64, UnitQuaternion<f64>)>)> = OnceLock::new();
+type Flight = (Vec<State>, Vec<(f64, UnitQuaternion<f64>)>);
+
+fn flight() -> &'static Flight {
+    static FLIGHT: OnceLock<Flight> = OnceLock::new();
     FLIGHT.get_or_init(|| {
         let sensors = Sensors {
             attitude_hz: 10.0,

@@ -188,7 +188,11 @@ impl Written {
             let stamp = stamp(time);
             events.push((
                 time,
-                Event::Sample(Sample::Position(PositionSample { stamp, position })),
+                Event::Sample(Sample::Position(PositionSample {
+                    stamp,
+                    position,
+                    resets: Default::default(),
+                })),
             ));
         }
         if let Some([rates, forces]) = self.imu {
