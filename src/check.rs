@@ -50,7 +50,7 @@ mod track;
 mod turning;
 mod words;
 
-pub use claims::{Claims, RECEIVER_LAG};
+pub use claims::{Claims, ESTIMATE_LAG, RECEIVER_LAG};
 pub use oddity::Oddity;
 pub use recorder::Recorder;
 pub use verdict::{Findings, Outcome, Verdict};

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, with its arguments and what it prints.
 
 mod camera;
+mod check;
 mod completions;
 mod enrich;
 mod hint;
@@ -26,7 +27,8 @@ Exit codes:
   0  done
   1  failed; the log is unchanged
   2  wrong arguments
-  3  done, but part of the log could not be read";
+  3  done, but part of the log could not be read
+  4  check: something in the log is certainly read wrongly";
 
 /// Add the camera's motion to drone flight logs in MCAP
 ///
@@ -43,6 +45,7 @@ struct Cli {
 enum Command {
     Enrich(enrich::Arguments),
     Inspect(inspect::Arguments),
+    Check(check::Arguments),
     Restore(restore::Arguments),
     Profiles(profiles::Arguments),
     Completions(completions::Arguments),
@@ -55,6 +58,7 @@ enum Exit {
     Failed,
     WrongArguments,
     PartlyUnreadable,
+    FoundWrong,
 }
 
 impl From<Exit> for ExitCode {
@@ -64,6 +68,7 @@ impl From<Exit> for ExitCode {
             Exit::Failed => ExitCode::from(1),
             Exit::WrongArguments => ExitCode::from(2),
             Exit::PartlyUnreadable => ExitCode::from(3),
+            Exit::FoundWrong => ExitCode::from(4),
         }
     }
 }
@@ -79,6 +84,7 @@ pub fn run() -> ExitCode {
     {
         Command::Enrich(arguments) => enrich::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Restore(arguments) => restore::run(&arguments),
         Command::Profiles(arguments) => profiles::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

@@ -11,12 +11,13 @@
 //! becomes of the values; they go to a sink.
 
 mod background;
+pub(crate) mod claims;
 mod held_back;
 mod job;
 mod judge;
 mod log_sink;
 mod plan;
-mod stream;
+pub(crate) mod stream;
 mod target;
 
 use std::{ops::ControlFlow, thread};
@@ -28,6 +29,7 @@ use crate::{
     options::Options,
     report::{Derivation, DeriveReport, Findings, Report},
     run::{Input, Left, Output, Run, RunError, Stopped},
+    source::stream_filter::StreamFilter,
     writer::original::Original,
 };
 use job::{Batch, Job};
@@ -155,9 +157,11 @@ pub fn derive<'a>(
     let run = Run::new(&options.watch, input.name().into(), Left::Nothing);
     run.run_watched(|| {
         let log = match input {
-            Input::Stream { name, stream } => {
-                stream::telemetry(Named::new(&name, stream), options, &run)?
-            }
+            Input::Stream { name, stream } => stream::telemetry(
+                Named::new(&name, stream),
+                StreamFilter::new(&options.telemetry),
+                &run,
+            )?,
             input => Log::read(input.open(Access::Read, &options.watch)?)?,
         };
         let Plan { source, camera, .. } = Plan::new(&log, options)?;

@@ -67,9 +67,9 @@ pub struct Inspection {
     pub notes: Vec<Note>,
 }
 
-/// Why `enrich` would fail. In JSON it is the error's message.
+/// Why something would fail. In JSON it is the error's message.
 #[derive(Debug, Clone)]
-pub struct Problem(Arc<Error>);
+pub struct Problem(pub(crate) Arc<Error>);
 
 impl Problem {
     /// The error that it would fail with.
@@ -332,7 +332,9 @@ impl Telemetry {
         let sampled = Sampled::read(log, source)?;
         let clock_steps = sampled.clock_steps(log, source)?;
         let times = log.message_times(&source.channel_ids())?;
-        let roles = source.roles().into_iter().map(|(kind, role)| {
+        let roles = source.roles().into_iter();
+        let roles = roles.filter(|(kind, _)| Kind::USUAL.contains(kind));
+        let roles = roles.map(|(kind, role)| {
             let role = match role {
                 Ok(role) => {
                     let found = FoundRole::new(log, source, (kind, role), &times, &sampled);

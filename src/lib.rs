@@ -10,7 +10,8 @@
 //! ```
 //!
 //! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive()`] gives the values
-//! without writing them. [`inspect`] says what a log file contains, [`topics`] lists its topics, and [`restore`] undoes what `enrich` did to one.
+//! without writing them. [`check()`] says whether a log's own numbers bear out how it is read, [`inspect`] what a log file
+//! contains, [`topics`] lists its topics, and [`restore`] undoes what `enrich` did to one.
 //! [`Options`] say how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its
 //! telemetry.
 //!
@@ -55,6 +56,7 @@
 //! | `report` | what a run found and did, as data | what it reports on |
 //! | `run` | what all runs share: an input, an output, a watcher, an outcome | fs, log, watch, writer, report |
 //! | `enrich` | the main run: input → job (a thread that sends batches) → sink → report | all of the above |
+//! | `examine` | a log's telemetry → what `check` says about how it was read | log, source, reader, check, enrich, report |
 //! | `restore` | an enriched log → the original | log, writer, run |
 //! | `inspect` | what a log contains and what `enrich` would produce | all but transform, reader and enrich |
 //! | `error` | the errors of all layers, joined; what runs end with | their errors |
@@ -84,6 +86,8 @@ pub mod decode;
 pub mod derived;
 #[doc(hidden)]
 pub mod enrich;
+#[doc(hidden)]
+pub mod examine;
 #[doc(hidden)]
 pub mod inspect;
 #[doc(hidden)]
@@ -116,12 +120,13 @@ pub mod writer;
 /// Profiles: how an autopilot or a logger names its telemetry, and in which conventions it writes it.
 pub mod profile {
     pub use crate::source::profile::{
-        Alternative, AttitudeFields, Components, Condition, Coordinates, Euler, GimbalFields,
-        Location, OptionalField, Orientation, Pitch, Profile, Quaternion, RoleFields, SampleTime,
-        Test, TimeField, VelocityFields, Written,
+        AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Components, Condition,
+        Coordinates, Euler, GimbalFields, Location, OptionalField, Orientation, Pitch, Profile,
+        Quaternion, RoleFields, SampleTime, Test, TimeField, VelocityFields, Written,
         convention::{
-            AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit, NotAConvention, NotAxes,
-            PositiveDirection, QuaternionOrder, SpeedUnit, TimeUnit, WorldAxes,
+            AccelerationUnit, AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit,
+            NotAConvention, NotAxes, PositiveDirection, QuaternionOrder, RateUnit, SpeedUnit,
+            TimeUnit, WorldAxes,
         },
     };
     pub use crate::{
@@ -139,6 +144,7 @@ pub use decode::trial::UnmetFilter;
 pub use derived::{Derived, Quantity, Value};
 pub use enrich::{derive, enrich};
 pub use error::Error;
+pub use examine::{CheckReport, check};
 pub use fs::ReadAt;
 pub use geometry::{DepressionAngle, DepressionOutOfRange};
 pub use inspect::{
@@ -156,7 +162,7 @@ pub use run::{Input, Output};
 pub use sample::{DropReason, Kind, Stamp, Tallies, Tally, VelocityFrom};
 pub use source::{
     Because, FoundValue, NamedFrame, Origin, PassedOver, ReadAs, Reading, RefusedFrames, RunnerUp,
-    SeenPlace, UnmetCondition,
+    SeenPlace, UnmetCondition, WrittenQuaternion,
     profile::ProfileChoice,
     request::{BadArgument, HowAsked, Request, RoleArgument},
     undecodable::UndecodableMessage,

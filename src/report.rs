@@ -265,7 +265,7 @@ pub struct SampleReport {
 }
 
 impl SampleReport {
-    fn new(source: &Source, tallies: &Tallies, kind: Kind) -> Self {
+    pub(crate) fn new(source: &Source, tallies: &Tallies, kind: Kind) -> Self {
         Self {
             derived_from: None,
             topic: source.role(kind).map(|role| role.topic.clone()),
@@ -311,6 +311,6 @@ fn by_kind<S: Serializer>(
     samples: &BTreeMap<Kind, SampleReport>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    let kinds = Kind::ALL.into_iter();
+    let kinds = Kind::USUAL.into_iter();
     serializer.collect_map(kinds.map(|kind| (kind, samples.get(&kind))))
 }

@@ -154,6 +154,24 @@ pub enum Position {
     Local(Vector3<f64>),
 }
 
+/// How fast the drone turns at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AngularRateSample {
+    /// Its times.
+    pub stamp: Stamp,
+    /// Radians per second about the drone's front, right and down axes.
+    pub rate: Vector3<f64>,
+}
+
+/// What an accelerometer measures at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AccelerationSample {
+    /// Its times.
+    pub stamp: Stamp,
+    /// The specific force in m/s² along the drone's front, right and down axes: one g upwards for a drone that hovers.
+    pub force: Vector3<f64>,
+}
+
 /// One usable reading of the drone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sample {
@@ -165,6 +183,10 @@ pub enum Sample {
     Gimbal(GimbalSample),
     /// Where it was.
     Position(PositionSample),
+    /// How fast it turned.
+    AngularRate(AngularRateSample),
+    /// What its accelerometer felt.
+    Acceleration(AccelerationSample),
 }
 
 impl Velocity {
@@ -185,6 +207,8 @@ impl Sample {
             Sample::Velocity(sample) => sample.stamp,
             Sample::Gimbal(sample) => sample.stamp,
             Sample::Position(sample) => sample.stamp,
+            Sample::AngularRate(sample) => sample.stamp,
+            Sample::Acceleration(sample) => sample.stamp,
         }
     }
 
@@ -195,6 +219,8 @@ impl Sample {
             Sample::Velocity(_) => Kind::Velocity,
             Sample::Gimbal(_) => Kind::Gimbal,
             Sample::Position(_) => Kind::Position,
+            Sample::AngularRate(_) => Kind::AngularRate,
+            Sample::Acceleration(_) => Kind::Acceleration,
         }
     }
 }
@@ -212,15 +238,35 @@ pub enum Kind {
     Velocity,
     /// Where it is.
     Position,
+    /// How fast it turns. Only a check reads it.
+    AngularRate,
+    /// What its accelerometer feels. Only a check reads it.
+    Acceleration,
 }
 
 impl Kind {
     /// All kinds, in their order.
-    pub const ALL: [Kind; 4] = [Kind::Gimbal, Kind::Attitude, Kind::Velocity, Kind::Position];
+    pub const ALL: [Kind; 6] = [
+        Kind::Gimbal,
+        Kind::Attitude,
+        Kind::Velocity,
+        Kind::Position,
+        Kind::AngularRate,
+        Kind::Acceleration,
+    ];
 
     /// All kinds, in the order in which they are listed.
-    pub const LISTED: [Kind; Self::ALL.len()] =
-        [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position];
+    pub const LISTED: [Kind; Self::ALL.len()] = [
+        Kind::Attitude,
+        Kind::Velocity,
+        Kind::Gimbal,
+        Kind::Position,
+        Kind::AngularRate,
+        Kind::Acceleration,
+    ];
+
+    /// The kinds that are looked for unless a log is checked.
+    pub const USUAL: [Kind; 4] = [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position];
 
     /// The name in profiles, scripts and options.
     pub fn name(self) -> &'static str {
@@ -229,6 +275,8 @@ impl Kind {
             Kind::Attitude => "attitude",
             Kind::Velocity => "velocity",
             Kind::Position => "position",
+            Kind::AngularRate => "angular_rate",
+            Kind::Acceleration => "acceleration",
         }
     }
 }

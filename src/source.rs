@@ -32,7 +32,7 @@ use crate::{
     text::{self, Foreign},
 };
 use channel::{ChannelReader, MixedSources, UnmetTracker};
-pub use channel::{FoundValue, OversizedAngle, RefusedFrames, UnmetCondition};
+pub use channel::{FoundValue, OversizedAngle, RefusedFrames, UnmetCondition, WrittenQuaternion};
 use error::{Misfit, TelemetryError};
 pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
@@ -153,6 +153,23 @@ impl Source {
     /// The channels that have telemetry.
     pub fn channel_ids(&self) -> BTreeSet<u16> {
         self.channels.keys().copied().collect()
+    }
+
+    /// The types of the messages that a kind of sample comes from.
+    pub fn schemas(&self, log: &Log, kind: Kind) -> Vec<String> {
+        let channels = self.channels.iter().filter(|(_, reader)| reader.has(kind));
+        let definitions = &log.contents.definitions;
+        let schemas = channels.filter_map(|(id, _)| {
+            let channel = &definitions.channels.get(id)?.record;
+            Some(log.contents.schema_of(channel)?.name.clone())
+        });
+        schemas.collect()
+    }
+
+    /// How an orientation of this kind is written, if it is a quaternion.
+    pub fn quaternion(&self, kind: Kind) -> Option<WrittenQuaternion> {
+        let mut channels = self.channels.values();
+        channels.find_map(|channel| channel.quaternion(kind))
     }
 
     /// Whether the times of samples are log times.

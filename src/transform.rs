@@ -280,7 +280,10 @@ impl Transform {
             Sample::Gimbal(sample) if self.camera == Camera::Gimbal => self.push_gimbal(&sample),
             Sample::Attitude(sample) => self.push_attitude(&sample),
             Sample::Velocity(sample) => self.push_velocity(&sample),
-            Sample::Gimbal(_) | Sample::Position(_) => return,
+            Sample::Gimbal(_)
+            | Sample::Position(_)
+            | Sample::AngularRate(_)
+            | Sample::Acceleration(_) => return,
         };
         if is_first_at_its_time {
             self.settle(Some(sample.stamp().log_time), out);

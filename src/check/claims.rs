@@ -16,6 +16,8 @@ pub struct Claims {
     pub angular_rate: Option<VectorReading>,
     /// The accelerations.
     pub acceleration: Option<VectorReading>,
+    /// The angle below the horizon at which the camera is said to be held, in radians.
+    pub depression: Option<f64>,
     /// By how many seconds positions and velocities may be apart by their nature: a receiver's are late, as much as
     /// [`RECEIVER_LAG`]; an estimator's are not.
     pub lag_s: f64,
@@ -26,6 +28,9 @@ pub struct Claims {
 /// How late a satellite receiver's positions may be, in seconds. ArduPilot and PX4 assume 0.1 to 0.22 s by default
 /// (`GPS_DELAY_MS`, `EKF2_GPS_DELAY`), and what travels through a middleware comes later still.
 pub const RECEIVER_LAG: f64 = 0.3;
+
+/// How late an estimator's positions or velocities may be against each other, in seconds: they are published together.
+pub const ESTIMATE_LAG: f64 = 0.05;
 
 impl Claims {
     /// The same with one series read in another way.

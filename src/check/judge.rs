@@ -1,6 +1,7 @@
 //! Judging a flight: each comparison that its series allow.
 
 mod attitude;
+mod body_velocity;
 mod explain;
 mod gimbal;
 mod time;
@@ -171,7 +172,11 @@ impl<'a> Flight<'a> {
         };
         let moved = Displacement::new(&positions, &self.velocities, &self.attitudes);
         let pairs = |velocity: &VectorReading, late_by: f64| moved.pairs(velocity, late_by);
-        self.of_the_velocity(witness, DISPLACEMENT, claimed, &pairs)
+        let mut verdicts = self.of_the_velocity(witness, DISPLACEMENT, claimed, &pairs);
+        if is_geodetic && claimed.is_body() {
+            self.blame_the_attitude(&positions, claimed, &mut verdicts);
+        }
+        verdicts
     }
 
     /// The velocity and the attitude, by the accelerations.
@@ -202,11 +207,8 @@ impl<'a> Flight<'a> {
                     }
                 };
                 // What the velocity does is what the attitude must explain.
-                let swapped = |Pair { witness, account }| Pair {
-                    witness: account,
-                    account: witness,
-                };
-                pairs.into_iter().map(|pair| pair.map(swapped)).collect()
+                let pairs = pairs.into_iter();
+                pairs.map(|pair| pair.map(Pair::swapped)).collect()
             },
         );
         let pairs = |velocity: &VectorReading, late_by: f64| {

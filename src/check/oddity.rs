@@ -8,7 +8,8 @@ use super::{
     jumps::ToAndFro,
     reading::{AttitudeReading, Form},
     recorder::Recorder,
-    track::Timed,
+    residual::median,
+    track::{self, Timed},
 };
 use crate::{
     geometry::heading_rotation,
@@ -28,6 +29,9 @@ const UP: f64 = 0.26;
 
 /// How far the heading must turn before the order of a quaternion is plain, in radians: a quarter turn.
 const TURNED: f64 = std::f64::consts::FRAC_PI_2;
+
+/// How far a camera is from where it is said to be that is elsewhere, in radians: 10°.
+const ELSEWHERE: f64 = 0.175;
 
 /// Fewer samples than this show nothing.
 const ENOUGH: usize = 20;
@@ -59,6 +63,13 @@ pub enum Oddity {
         level: f64,
         /// The reading that fits.
         fits: AttitudeReading,
+    },
+    /// The log's gimbal holds the camera elsewhere than it is said to be.
+    NotAtDepression {
+        /// The share of the samples that are more than 10° off.
+        share: f64,
+        /// The median angle below the horizon at which the gimbal holds it, in degrees.
+        median_deg: f64,
     },
     /// The drone leans by more than 60° most of the time. Tailsitters do; or it is another thing's attitude.
     OnItsSide {
@@ -105,6 +116,7 @@ impl Recorder {
             oddities.extend(on_its_side(attitudes).filter(|_| !is_plain));
         }
         oddities.extend(self.gimbal_up());
+        oddities.extend(claims.depression.and_then(|angle| self.not_at(angle)));
         oddities
     }
 
@@ -117,6 +129,30 @@ impl Recorder {
             -axis.z > UP.sin()
         }))?;
         (share >= NEARLY_ALL).then_some(Oddity::GimbalUp { share })
+    }
+}
+
+impl Recorder {
+    /// Whether the gimbal holds the camera elsewhere than at an angle below the horizon, in radians.
+    fn not_at(&self, depression: f64) -> Option<Oddity> {
+        let angles = self.gimbals.samples.iter().filter_map(|sample| {
+            let axis = sample.value.orientation * Vector3::x();
+            let axis = match sample.value.reference {
+                GimbalReference::Airframe => {
+                    track::at(&self.attitudes.samples, sample.time)? * axis
+                }
+                GimbalReference::Earth | GimbalReference::Heading => axis,
+            };
+            Some(axis.z.clamp(-1.0, 1.0).asin())
+        });
+        let angles: Vec<f64> = angles.collect();
+        let share = share_of(
+            angles
+                .iter()
+                .map(|angle| (angle - depression).abs() > ELSEWHERE),
+        )?;
+        let median_deg = median(angles)?.to_degrees();
+        (share >= MOST).then_some(Oddity::NotAtDepression { share, median_deg })
     }
 }
 

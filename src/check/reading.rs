@@ -44,6 +44,14 @@ pub const ACCELERATION_UNITS: [Unit; 3] = [
     unit("mg", 1e3 / 9.806_65),
 ];
 
+/// The units that angles come in, the largest first.
+pub const ANGLE_UNITS: [Unit; 4] = [
+    unit("radians", 1.0),
+    unit("degrees", 180.0 / std::f64::consts::PI),
+    unit("centidegrees", 18e3 / std::f64::consts::PI),
+    unit("degE7", 180e7 / std::f64::consts::PI),
+];
+
 /// How the three numbers of a vector are read.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct VectorReading {
@@ -103,11 +111,15 @@ pub enum Form {
     },
     /// Roll, pitch and yaw.
     Angles {
+        /// Their unit.
+        unit: Unit,
         /// Whether what is called roll is the pitch, and the other way round.
         swapped: bool,
         /// Which of roll, pitch and yaw have the opposite sign.
         opposite: [bool; 3],
     },
+    /// Angles in another order than yaw, pitch, roll, of which nothing else is tried.
+    OtherAngles,
 }
 
 impl AttitudeReading {
@@ -126,11 +138,17 @@ impl AttitudeReading {
     pub const WXYZ: Form = Form::Quaternion { scalar_last: false };
     /// The form of a quaternion whose scalar part is the last number.
     pub const XYZW: Form = Form::Quaternion { scalar_last: true };
+    /// The form of angles in radians.
+    pub const ANGLES: Form = Self::angles_in(ANGLE_UNITS[0]);
+
     /// The form of angles.
-    pub const ANGLES: Form = Form::Angles {
-        swapped: false,
-        opposite: [false; 3],
-    };
+    pub const fn angles_in(unit: Unit) -> Form {
+        Form::Angles {
+            unit,
+            swapped: false,
+            opposite: [false; 3],
+        }
+    }
 
     /// What makes attitudes of this reading out of those that were read as `claimed`; `None` for axes between which
     /// there is no rotation.
@@ -168,14 +186,16 @@ impl AttitudeReading {
             Form::Quaternion { scalar_last } => [scalar_last, !scalar_last]
                 .map(|scalar_last| Form::Quaternion { scalar_last })
                 .into(),
-            Form::Angles { .. } => (0..16)
+            Form::OtherAngles => vec![Form::OtherAngles],
+            Form::Angles { unit, .. } => (0..16)
                 .map(|bits: u8| Form::Angles {
+                    unit,
                     swapped: bits & 8 != 0,
                     opposite: [0, 1, 2].map(|angle| bits >> angle & 1 != 0),
                 })
                 .collect(),
         };
-        let of_angles = matches!(self.form, Form::Angles { .. });
+        let of_angles = !matches!(self.form, Form::Quaternion { .. });
         let mut readings = Vec::new();
         for (body, world) in frames {
             for &form in &forms {
@@ -196,6 +216,15 @@ impl AttitudeReading {
         let turned = [90.0, 180.0, 270.0].map(|north_deg| Self { north_deg, ..*self });
         let axes = BodyAxes::all().filter(|body| body.is_right_handed() && *body != self.body);
         readings.extend(turned);
+        if let Form::Angles { unit, .. } = self.form {
+            // Of smaller units, only the remainder of a turn was kept.
+            let larger = ANGLE_UNITS.into_iter();
+            let larger = larger.filter(|other| other.per_own < unit.per_own);
+            readings.extend(larger.map(|unit| Self {
+                form: Self::angles_in(unit),
+                ..*self
+            }));
+        }
         readings.extend(axes.map(|body| Self { body, ..*self }));
         let mut different: Vec<Self> = Vec::new();
         for reading in readings {
@@ -222,14 +251,21 @@ impl AttitudeReading {
         };
         let form = match (self.form, other.form) {
             (
-                Form::Angles { swapped, opposite },
                 Form::Angles {
+                    unit,
+                    swapped,
+                    opposite,
+                },
+                Form::Angles {
+                    unit: other_unit,
                     swapped: other_swapped,
                     opposite: other_opposite,
                 },
             ) => {
                 let signs = opposite.iter().zip(&other_opposite).filter(|(a, b)| a != b);
-                usize::from(swapped != other_swapped) + signs.count()
+                usize::from(unit != other_unit)
+                    + usize::from(swapped != other_swapped)
+                    + signs.count()
             }
             (a, b) => usize::from(a != b),
         };
@@ -256,13 +292,9 @@ impl Reread {
             (Form::Quaternion { scalar_last: from }, Form::Quaternion { scalar_last: to }) => {
                 reordered(read, from, to)
             }
-            (
-                Form::Angles {
-                    swapped: from_swapped,
-                    opposite: from,
-                },
-                Form::Angles { swapped, opposite },
-            ) => with_angles(read, from_swapped != swapped, from, opposite),
+            (from @ Form::Angles { .. }, to @ Form::Angles { .. }) if from != to => {
+                with_angles(read, from, to)
+            }
             _ => read,
         };
         let read = match self.is_inverse {
@@ -286,25 +318,39 @@ fn reordered(q: UnitQuaternion<f64>, from: bool, to: bool) -> UnitQuaternion<f64
     UnitQuaternion::new_unchecked(quaternion)
 }
 
-fn with_angles(
-    q: UnitQuaternion<f64>,
-    is_swapped: bool,
-    from: [bool; 3],
-    to: [bool; 3],
-) -> UnitQuaternion<f64> {
-    let signs = [0, 1, 2].map(|angle| if from[angle] != to[angle] { -1.0 } else { 1.0 });
-    if !is_swapped && signs == [1.0; 3] {
+fn with_angles(q: UnitQuaternion<f64>, from: Form, to: Form) -> UnitQuaternion<f64> {
+    let (
+        Form::Angles {
+            unit: from_unit,
+            swapped: from_swapped,
+            opposite: from,
+        },
+        Form::Angles {
+            unit,
+            swapped,
+            opposite: to,
+        },
+    ) = (from, to)
+    else {
         return q;
-    }
+    };
+    let scale = from_unit.per_own / unit.per_own;
+    let factors = [0, 1, 2].map(|angle| {
+        if from[angle] != to[angle] {
+            -scale
+        } else {
+            scale
+        }
+    });
     let RollPitchYaw { roll, pitch, yaw } = RollPitchYaw::from_rotation(&Rotation3::from(q));
-    let (roll, pitch) = match is_swapped {
+    let (roll, pitch) = match from_swapped != swapped {
         true => (pitch, roll),
         false => (roll, pitch),
     };
     RollPitchYaw {
-        roll: signs[0] * roll,
-        pitch: signs[1] * pitch,
-        yaw: signs[2] * yaw,
+        roll: factors[0] * roll,
+        pitch: factors[1] * pitch,
+        yaw: factors[2] * yaw,
     }
     .to_quaternion()
 }

@@ -160,19 +160,15 @@ impl Recorder {
                     self.keep(time, position, |recorder| &mut recorder.positions);
                 }
             }
+            Sample::AngularRate(sample) => {
+                self.average(time, sample.rate, SPACING, |recorder| &mut recorder.rates);
+            }
+            Sample::Acceleration(sample) => {
+                self.average(time, sample.force, ACCELERATION_SPACING, |recorder| {
+                    &mut recorder.accelerations
+                });
+            }
         }
-    }
-
-    /// Takes the next angular rate, in rad/s about the drone's front, right and down axes as they were read.
-    pub fn push_angular_rate(&mut self, time: u64, rate: Vector3<f64>) {
-        self.average(time, rate, SPACING, |recorder| &mut recorder.rates);
-    }
-
-    /// Takes the next specific force, in m/s² along the drone's front, right and down axes as they were read.
-    pub fn push_acceleration(&mut self, time: u64, force: Vector3<f64>) {
-        self.average(time, force, ACCELERATION_SPACING, |recorder| {
-            &mut recorder.accelerations
-        });
     }
 
     fn place(&mut self, position: Position) -> ReadPosition {

@@ -43,6 +43,25 @@ pub struct Pair {
     pub account: Vector3<f64>,
 }
 
+impl Pair {
+    /// With the difference between its error and the other's as its error.
+    pub fn less(&self, other: &Self) -> Self {
+        let error = (self.witness - self.account) - (other.witness - other.account);
+        Self {
+            witness: self.witness,
+            account: self.witness - error,
+        }
+    }
+
+    /// The same, with what is to be judged as the witness.
+    pub fn swapped(self) -> Self {
+        Self {
+            witness: self.account,
+            account: self.witness,
+        }
+    }
+}
+
 /// Which part of the motion is judged, and the least that is needed of it.
 #[derive(Debug, Clone, Copy)]
 pub enum Part {

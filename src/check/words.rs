@@ -59,6 +59,12 @@ impl fmt::Display for Oddity {
                  the samples",
                 level * 100.0
             ),
+            Self::NotAtDepression { share, median_deg } => write!(
+                f,
+                "the gimbal holds the camera more than 10° from the depression angle that was given in {:.0} % of the \
+                 samples; its median is {median_deg:.0}° below the horizon",
+                share * 100.0
+            ),
             Self::OnItsSide { share } => {
                 write!(
                     f,
@@ -138,9 +144,14 @@ impl fmt::Display for Reading {
 impl fmt::Display for AttitudeReading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.form {
-            Form::Quaternion { scalar_last: false } => {}
+            Form::Quaternion { scalar_last: false } | Form::OtherAngles => {}
             Form::Quaternion { scalar_last: true } => f.write_str("scalar-last ")?,
-            Form::Angles { swapped, opposite } => {
+            Form::Angles {
+                unit,
+                swapped,
+                opposite,
+            } => {
+                write!(f, "{} ", unit.name)?;
                 if swapped {
                     f.write_str("pitch, roll, yaw ")?;
                 }

@@ -153,7 +153,7 @@ fn of_the_run(error: &RunError) -> Option<&'static str> {
 }
 
 /// An argument as a shell reads it; `None` for one that cannot be seen in full, or looks like an option.
-fn in_shell(argument: &str) -> Option<String> {
+pub(super) fn in_shell(argument: &str) -> Option<String> {
     let is_plain = |c: char| c.is_alphanumeric() || "/_-.,:".contains(c);
     if argument.contains(is_escaped) || argument.starts_with('-') {
         return None;

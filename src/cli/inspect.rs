@@ -140,7 +140,7 @@ fn describe_telemetry(page: &mut Page, telemetry: &Telemetry) {
             None => "not known from the log; give enrich --depression or --mount".to_owned(),
         },
     );
-    for kind in Kind::LISTED {
+    for kind in Kind::USUAL {
         let label = words::label(kind);
         if kind == Kind::Velocity && telemetry.velocity_from == VelocityFrom::Position {
             page.line(&label, "from the position");
@@ -214,7 +214,7 @@ fn table(telemetry: &Telemetry) -> String {
         "to",
     ];
     let mut rows = vec![header.map(str::to_owned)];
-    for kind in Kind::LISTED {
+    for kind in Kind::USUAL {
         let is_read = kind != Kind::Velocity || telemetry.velocity_from == VelocityFrom::Messages;
         if let Some(RoleReport::Found(found)) = telemetry.roles.get(&kind).filter(|_| is_read) {
             rows.push(row(&words::label(kind), found, start));

@@ -14,23 +14,43 @@ use flightcam::text::{escaped, escaped_lines, is_escaped};
 use serde::Serialize;
 
 /// A report in the making.
-#[derive(Default)]
-pub struct Page(String);
+pub struct Page {
+    text: String,
+    /// How wide labels are.
+    width: usize,
+}
+
+impl Default for Page {
+    fn default() -> Self {
+        Self::with_labels(12)
+    }
+}
 
 impl Page {
+    /// A page whose labels are so wide.
+    pub fn with_labels(width: usize) -> Self {
+        let text = String::new();
+        Self { text, width }
+    }
+
     /// Adds a line with a label, which may be empty.
     pub fn line(&mut self, label: &str, content: impl Display) {
-        let _ = writeln!(self.0, "{label:<12}{}", escaped(content));
+        let _ = writeln!(
+            self.text,
+            "{label:<width$}{}",
+            escaped(content),
+            width = self.width
+        );
     }
 
     /// Adds lines below an empty one.
     pub fn paragraph(&mut self, lines: &str) {
-        let _ = writeln!(self.0, "\n{}", lines.trim_end());
+        let _ = writeln!(self.text, "\n{}", lines.trim_end());
     }
 
     /// All of it.
     pub fn text(&self) -> &str {
-        self.0.trim_end()
+        self.text.trim_end()
     }
 }
 

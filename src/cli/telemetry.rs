@@ -1,4 +1,4 @@
-//! The options that say where a log has its telemetry; `enrich` and `inspect` share them.
+//! The options that say where a log has its telemetry; `enrich`, `inspect` and `check` share them.
 
 use clap::{Args, ValueEnum, error::ErrorKind};
 use flightcam::{
@@ -114,7 +114,7 @@ impl From<VelocityFromArgument> for VelocityFrom {
 }
 
 /// Parses the argument of a role.
-fn role(kind: Kind) -> impl Fn(&str) -> Result<RoleArgument, BadArgument> + Clone {
+pub fn role(kind: Kind) -> impl Fn(&str) -> Result<RoleArgument, BadArgument> + Clone {
     move |text| RoleArgument::parse(kind, text)
 }
 

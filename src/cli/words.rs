@@ -1,7 +1,9 @@
 //! The library's reports, which are data, in words for the terminal.
 
+pub mod advice;
 mod angles;
 mod camera;
+pub mod checked;
 mod frames;
 mod missing;
 mod note;

@@ -47,7 +47,13 @@ pub fn enrich(
         Output::File { path, overwrite } => {
             let pending = Destination::new(None, &path, overwrite)?.create(None)?;
             let mut file = pending.file();
-            let passed = pass_on(input, &path, &mut file, options, run)?;
+            let passed = pass_on(
+                input,
+                &path,
+                &mut file,
+                StreamFilter::new(&options.telemetry),
+                run,
+            )?;
             let report = append(&passed, &path, &mut file, options, run)?;
             pending.commit()?;
             Ok(report)
@@ -69,15 +75,21 @@ fn enrich_onward(
     options: &Options,
     run: &Run,
 ) -> Result<Report, Stopped> {
-    let passed =
-        pass_on(input, name, &mut *output, options, run).map_err(|stopped| match stopped {
-            // Found at the end, when all of it has been passed on.
-            Stopped::Failed(Error::Read(error)) if error.is_early_end() => {
-                let cause = Box::new(error.into());
-                RunError::PassedOn { cause }.into()
-            }
-            stopped => stopped,
-        })?;
+    let passed = pass_on(
+        input,
+        name,
+        &mut *output,
+        StreamFilter::new(&options.telemetry),
+        run,
+    )
+    .map_err(|stopped| match stopped {
+        // Found at the end, when all of it has been passed on.
+        Stopped::Failed(Error::Read(error)) if error.is_early_end() => {
+            let cause = Box::new(error.into());
+            RunError::PassedOn { cause }.into()
+        }
+        stopped => stopped,
+    })?;
     let mut output = Noting {
         stream: output,
         is_written_to: false,
@@ -93,24 +105,23 @@ fn enrich_onward(
     })
 }
 
-/// Reads a log from a pipe to its end and returns its telemetry as a log of its own.
+/// Reads a log from a pipe to its end and returns what the filter includes as a log of its own.
 pub fn telemetry(
     input: Named<Box<dyn Read + '_>>,
-    options: &Options,
+    filter: StreamFilter,
     run: &Run,
 ) -> Result<Log, Stopped> {
     let name = input.name;
-    Ok(pass_on(input, name, io::sink(), options, run)?.telemetry)
+    Ok(pass_on(input, name, io::sink(), filter, run)?.telemetry)
 }
 
 fn pass_on(
     input: Named<Box<dyn Read + '_>>,
     name: &Path,
     output: impl Write,
-    options: &Options,
+    mut filter: StreamFilter,
     run: &Run,
 ) -> Result<PassedOn, Stopped> {
-    let mut filter = StreamFilter::new(&options.telemetry);
     let watched = Watched {
         stream: input.stream,
         run,

@@ -37,6 +37,10 @@ pub enum FirstSample {
     },
     /// A place in the log's own coordinates.
     PositionLocal { north: f64, east: f64, down: f64 },
+    /// Radians per second about the drone's axes.
+    AngularRate { front: f64, right: f64, down: f64 },
+    /// A specific force in metres per second squared, in the drone's axes.
+    Acceleration { front: f64, right: f64, down: f64 },
 }
 
 impl From<&Sample> for FirstSample {
@@ -84,6 +88,14 @@ impl From<&Sample> for FirstSample {
                     Self::PositionLocal { north, east, down }
                 }
             },
+            Sample::AngularRate(sample) => {
+                let [front, right, down] = sample.rate.into();
+                Self::AngularRate { front, right, down }
+            }
+            Sample::Acceleration(sample) => {
+                let [front, right, down] = sample.force.into();
+                Self::Acceleration { front, right, down }
+            }
         }
     }
 }

@@ -164,9 +164,10 @@ impl Note {
         match *oddity {
             Oddity::OnItsSide { share } => Some(Self::OnItsSide { share }),
             Oddity::GimbalUp { share } => Some(Self::GimbalUp { share }),
-            Oddity::OneTime { .. } | Oddity::ToAndFro { .. } | Oddity::ScalarElsewhere { .. } => {
-                None
-            }
+            Oddity::OneTime { .. }
+            | Oddity::ToAndFro { .. }
+            | Oddity::ScalarElsewhere { .. }
+            | Oddity::NotAtDepression { .. } => None,
         }
     }
 

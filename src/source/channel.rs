@@ -3,6 +3,7 @@
 mod angles;
 mod frames;
 mod ids;
+mod quaternion;
 mod unmet;
 
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use angles::{AngleWatch, Angles};
 pub use frames::RefusedFrames;
 use frames::{Conversion, FrameTracker};
 use ids::SeenIds;
+pub use quaternion::WrittenQuaternion;
 pub use unmet::{FoundValue, UnmetCondition, UnmetTracker};
 
 use super::{
@@ -36,8 +38,8 @@ use crate::{
     geometry::RollPitchYaw,
     log::record::RawMessage,
     sample::{
-        AttitudeSample, DropReason, GimbalSample, Kind, Position, PositionSample, Sample, Stamp,
-        VelocitySample,
+        AccelerationSample, AngularRateSample, AttitudeSample, DropReason, GimbalSample, Kind,
+        Position, PositionSample, Sample, Stamp, VelocitySample,
     },
 };
 
@@ -324,6 +326,22 @@ impl Reading {
                 position: coordinates.read(values, conversion)?,
                 resets: self.resets.read(values),
             }),
+            RoleFields::AngularRate(fields) => {
+                let numbers = Vector3::from(fields.vector.finite(values)?);
+                let rate = numbers / fields.unit.per_radian_per_second();
+                Sample::AngularRate(AngularRateSample {
+                    stamp,
+                    rate: conversion.vector(rate),
+                })
+            }
+            RoleFields::Acceleration(fields) => {
+                let numbers = Vector3::from(fields.vector.finite(values)?);
+                let force = numbers / fields.unit.per_metre_per_second_squared();
+                Sample::Acceleration(AccelerationSample {
+                    stamp,
+                    force: conversion.vector(force),
+                })
+            }
         };
         for &slot in &self.valid {
             if number(values, slot)? == 0.0 {
@@ -429,7 +447,7 @@ impl Coordinates<Slot> {
             Self::Local { vector, unit, .. } => {
                 let vector = vector.finite(values)?;
                 let metres = vector.map(|component| component / unit.per_metre());
-                Position::Local(conversion.place(metres.into()))
+                Position::Local(conversion.vector(metres.into()))
             }
         })
     }

@@ -24,8 +24,8 @@ use crate::{decode::path::FieldPath, sample::Kind};
 pub use components::{Components, WrongCount};
 pub use error::{BadRole, NotAProfile, Problem, ProfileError};
 pub use fields::{
-    AttitudeFields, Coordinates, Euler, GimbalFields, OptionalField, Orientation, Pitch,
-    Quaternion, RoleFields, VelocityFields,
+    AccelerationFields, AngularRateFields, AttitudeFields, Coordinates, Euler, GimbalFields,
+    OptionalField, Orientation, Pitch, Quaternion, RoleFields, VelocityFields,
 };
 pub use location::{Condition, Location, SampleTime, Test, TimeField, Written};
 

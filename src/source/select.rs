@@ -127,7 +127,15 @@ impl Source {
     /// # Errors
     /// The profile does not fit the log, or none does, or several fit equally well.
     pub fn select(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
-        Self::find(log, request, Thoroughness::UntilFound)
+        Self::find(log, request, Thoroughness::UntilFound, &Kind::USUAL)
+    }
+
+    /// Like [`select`](Self::select), but also finds what only a check reads.
+    ///
+    /// # Errors
+    /// Those of [`select`](Self::select).
+    pub fn select_for_check(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
+        Self::find(log, request, Thoroughness::UntilFound, &Kind::ALL)
     }
 
     /// Like [`select`](Self::select), but tries every profile, so that all runners-up are known.
@@ -135,7 +143,7 @@ impl Source {
     /// # Errors
     /// Those of [`select`](Self::select).
     pub fn compare(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
-        Self::find(log, request, Thoroughness::All)
+        Self::find(log, request, Thoroughness::All, &Kind::USUAL)
     }
 
     /// Where schemas leave open which fields JSON messages have, what the messages show goes before what the schemas
@@ -144,9 +152,11 @@ impl Source {
         log: &Log,
         request: &Request,
         thoroughness: Thoroughness,
+        kinds: &'static [Kind],
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let log_search = |proof| LogSearch::new(log, &examples, request, proof, thoroughness);
+        let log_search =
+            |proof| LogSearch::new(log, &examples, request, proof, thoroughness, kinds);
         let listed = Self::find_by(&log_search(Proof::Listed), request);
         let is_settled = match &listed {
             Ok(source) => source.is_confirmed_by(&log_search(Proof::Shown)),
@@ -249,7 +259,14 @@ impl Source {
         request: &Request,
     ) -> Result<Option<Foreign>, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let log_search = LogSearch::new(log, &examples, request, self.proof, Thoroughness::All);
+        let log_search = LogSearch::new(
+            log,
+            &examples,
+            request,
+            self.proof,
+            Thoroughness::All,
+            &Kind::USUAL,
+        );
         let search = log_search.search(&self.profile, self.specificity, &self.fit.namespace);
         let own = self.fit.own.as_str();
         let Chosen { origin, first, .. } = match search.choose(Kind::Position, Some(own)) {
@@ -274,7 +291,14 @@ impl Source {
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
         let thoroughness = Thoroughness::UntilFound;
-        let log_search = LogSearch::new(log, &examples, request, self.proof, thoroughness);
+        let log_search = LogSearch::new(
+            log,
+            &examples,
+            request,
+            self.proof,
+            thoroughness,
+            &Kind::ALL,
+        );
         let passed_over = self.passed_over.into_iter();
         Ok(Self {
             passed_over: (passed_over.filter(|one| kinds.contains(&one.role))).collect(),

@@ -31,6 +31,8 @@ pub struct StreamFilter {
     /// The roles whose places the user gives.
     requested: BTreeSet<Kind>,
     velocity_from: VelocityFrom,
+    /// The kinds of sample that are looked for.
+    kinds: &'static [Kind],
     /// Whether a channel's messages are included, by its id.
     verdicts: HashMap<u16, bool>,
     /// The examples of channels that are not judged yet, from the latest segment.
@@ -41,6 +43,15 @@ pub struct StreamFilter {
 impl StreamFilter {
     /// Makes a filter for a request.
     pub fn new(request: &Request) -> Self {
+        Self::of_kinds(request, &Kind::USUAL)
+    }
+
+    /// Makes a filter for [`Source::select_for_check`](super::Source::select_for_check).
+    pub fn for_check(request: &Request) -> Self {
+        Self::of_kinds(request, &Kind::ALL)
+    }
+
+    fn of_kinds(request: &Request, kinds: &'static [Kind]) -> Self {
         Self {
             profiles: (request.profiles().into_iter())
                 .flat_map(|adapted| [adapted.with_own_attitude(), Some(adapted.profile)])
@@ -49,6 +60,7 @@ impl StreamFilter {
             namespace: request.namespace.clone(),
             requested: request.roles.keys().copied().collect(),
             velocity_from: request.velocity_from,
+            kinds,
             verdicts: HashMap::new(),
             examples: BTreeMap::new(),
             segment: 0,
@@ -110,7 +122,7 @@ impl StreamFilter {
     /// Whether a profile names the topic, for any role.
     fn is_named(&self, topic: &str) -> bool {
         let is_named_by = |profile: &Profile| {
-            (Kind::ALL.into_iter()).any(|kind| self.is_named_for(kind, profile, topic))
+            (self.kinds.iter()).any(|&kind| self.is_named_for(kind, profile, topic))
         };
         self.profiles.iter().any(is_named_by)
     }

@@ -94,7 +94,7 @@ fn exit_codes_are_those_of_the_help() {
     let known: Vec<String> = (list.lines())
         .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
         .collect();
-    assert_eq!(known.len(), 4, "{list}");
+    assert_eq!(known.len(), 5, "{list}");
     for (page, heading) in [
         ("README.md", "Common use"),
         ("docs/options.md", "Exit codes"),
@@ -223,6 +223,8 @@ fn reference() -> Vec<Key> {
             "Velocity" => "velocity.",
             "Gimbal" => "gimbal.",
             "Position" => "position.",
+            "Angular rate" => "angular_rate.",
+            "Acceleration" => "acceleration.",
             _ => continue,
         };
         let mut before = String::new();
@@ -315,6 +317,12 @@ const MINIMAL: &str = r#"
     geodetic = { latitude = "lat", longitude = "lon", altitude = "alt", unit = "degrees" }
     [[position]]
     local = { vector = "p", frame = "ned" }
+    [angular_rate]
+    vector = "w"
+    frame = "frd"
+    [acceleration]
+    vector = "a"
+    frame = "frd"
 "#;
 
 #[test]
@@ -385,6 +393,7 @@ fn the_keys_of_the_report_are_as_documented() {
     for (command, arguments) in [
         ("enrich", format!("enrich {LOG} --depression 30 --json")),
         ("inspect", format!("inspect {LOG} --json")),
+        ("check", format!("check {LOG} --json")),
         ("restore", format!("restore {RESULT} --json")),
     ] {
         let report: serde_json::Map<String, serde_json::Value> =

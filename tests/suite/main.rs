@@ -21,6 +21,8 @@ mod restore;
 mod text;
 
 mod check {
+    // Each publisher's logs, read with one convention broken.
+    mod conventions;
     // What a gimbal's angles are measured from.
     mod gimbal;
     // Flights with manoeuvres, read rightly and wrongly.
@@ -35,6 +37,7 @@ mod check {
 
 mod cli {
     mod camera_and_telemetry;
+    mod check;
     mod completions_and_manual;
     mod enrich;
     // What strangers name things reaches no terminal.

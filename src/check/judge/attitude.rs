@@ -6,9 +6,9 @@ use super::{Change, Depth, Flight, MOST_SHOWN, SMALL_SHIFTS, best_of, candidates
 use crate::{
     check::{
         alternatives::{is_usual, of_vector},
-        reading::{ACCELERATION_UNITS, AttitudeReading, RATE_UNITS, VectorReading},
+        reading::{ACCELERATION_UNITS, AttitudeReading, Form, RATE_UNITS, VectorReading},
         residual::{Decision, FITS, Pair, Part, Residual, decide, is_worse},
-        verdict::{Outcome, Reading, Subject, Verdict, Witness},
+        verdict::{Motion, Outcome, Reading, Subject, Verdict, Witness},
     },
     geometry::axes::{Axes, BodyAxes},
 };
@@ -21,6 +21,9 @@ const FEWEST_WINDOWS: usize = 24;
 
 /// How many readings are looked at more closely.
 const SHORTLIST: usize = 16;
+
+/// Readings whose errors differ by less than this share of the motion say the same.
+const ALIKE: f64 = 0.1;
 
 /// Another reading, of the attitude or of what it is compared with.
 struct Rival {
@@ -64,19 +67,39 @@ impl Flight<'_> {
                 part.select(pairs(change, shift).into_iter().flatten())
             })
         };
-        let judged = best(Change::None, shifts);
+        let mut judged = best(Change::None, shifts);
         let mut verdict = open(subject, witness, &judged, part);
-        if !judged.moves() {
-            return Some(verdict);
+        let is_still = !judged.moves();
+        if is_still {
+            // An attitude in the wrong unit does not move, although the drone does.
+            judged = best_of(shifts, |shift| {
+                let pairs = pairs(Change::None, shift).into_iter().flatten();
+                part.select(pairs.map(Pair::swapped))
+            });
+            if !judged.moves() {
+                return Some(verdict);
+            }
         }
         let own = Residual::from(&judged);
         if self.depth == Depth::Contradictions && own.all < FITS {
             return None;
         }
+        // Where the nose is has no part in how a drone leans, so an attitude that only differs in that is no rival.
+        let own_pairs = pairs(Change::None, 0.0);
+        let leans_alike = |change: Change| {
+            let others = pairs(change, 0.0);
+            let both = own_pairs.iter().zip(&others);
+            let both = both.filter_map(|(own, other)| Some(own.as_ref()?.less(other.as_ref()?)));
+            witness == Witness::Lean && part.select(both).residual() < ALIKE
+        };
         let residual_of = |reading: &Reading, shifts: &[f64]| {
             let judged = match reading {
                 Reading::Attitude(attitude) => {
-                    best(Change::Attitude(&attitude.instead_of(&claimed)?), shifts)
+                    let reread = attitude.instead_of(&claimed)?;
+                    if leans_alike(Change::Attitude(&reread)) {
+                        return None;
+                    }
+                    best(Change::Attitude(&reread), shifts)
                 }
                 Reading::Velocity(vector)
                 | Reading::AngularRate(vector)
@@ -88,7 +111,8 @@ impl Flight<'_> {
         let unshifted = Residual::from(&best(Change::None, &shifts[..1]));
         let attitudes = claimed.alternatives().into_iter().map(Reading::Attitude);
         let mut rivals: Vec<Rival> = Vec::new();
-        for reading in attitudes.chain(others) {
+        let readings = attitudes.chain(others);
+        for reading in readings.filter(|one| !is_still || is_in_other_unit(one, &claimed)) {
             let Some(residual) = residual_of(&reading, &shifts[..1]) else {
                 continue;
             };
@@ -99,6 +123,9 @@ impl Flight<'_> {
             if !same(residual, unshifted) && !is_known {
                 rivals.push(Rival { reading, residual });
             }
+        }
+        if is_still && rivals.is_empty() {
+            return Some(verdict);
         }
         let by_residual = |a: &Rival, b: &Rival| a.residual.all.total_cmp(&b.residual.all);
         rivals.sort_by(by_residual);
@@ -111,6 +138,17 @@ impl Flight<'_> {
                 rival.residual = residual_of(&rival.reading, shifts).unwrap_or(rival.residual);
             }
             rivals.sort_by(by_residual);
+        }
+        if is_still {
+            let best = rivals.first().map(|best| best.residual);
+            if best.is_none_or(|best| decide(own, best) != Decision::Condemned) {
+                return Some(verdict);
+            }
+            verdict.motion = Some(Motion {
+                median: judged.motion,
+                unit: witness.unit_of_motion(),
+                windows: judged.windows(),
+            });
         }
         verdict.candidates = candidates(
             (Reading::Attitude(claimed), own.all),
@@ -167,6 +205,18 @@ fn renames_axes(reading: &Reading, claimed: &AttitudeReading) -> bool {
         ..*other
     };
     matches!(reading, Reading::Attitude(other) if with_claimed_axes(other) == *claimed)
+}
+
+/// Whether a reading is of angles in another unit.
+fn is_in_other_unit(reading: &Reading, claimed: &AttitudeReading) -> bool {
+    let unit = |form: Form| match form {
+        Form::Angles { unit, .. } => Some(unit),
+        _ => None,
+    };
+    match reading {
+        Reading::Attitude(attitude) => unit(attitude.form) != unit(claimed.form),
+        _ => false,
+    }
 }
 
 /// Whether readings are of the same series.

@@ -23,11 +23,18 @@ impl Recorder {
             .cloned()
             .collect();
         let mut explanations = self.of_the_drone(claims, &others);
-        if let Some(gimbal) = gimbal {
-            match explanations.is_empty() {
-                true => explanations.push(vec![gimbal]),
-                false => explanations.iter_mut().for_each(|one| one.push(gimbal)),
-            }
+        if explanations.is_empty() {
+            explanations.extend(gimbal.map(|gimbal| vec![gimbal]));
+            return explanations;
+        }
+        // What a gimbal's angles are measured from is judged by the attitude, which may be read in another way now.
+        for explanation in &mut explanations {
+            let readings = explanation
+                .iter()
+                .fold(claims.clone(), |claims, one| claims.with(one));
+            let flight = Flight::new(self, claims, &readings, Depth::Contradictions);
+            let of_the_gimbal = flight.of_the_gimbal();
+            explanation.extend(of_the_gimbal.iter().flat_map(fits_of).next());
         }
         explanations
     }

@@ -131,11 +131,14 @@ fn judge_part(
     near.sort_by_key(|reading| rank(reading, &claimed));
     verdict.candidates = candidates(
         (Reading::Velocity(claimed), own.all),
-        rivals
-            .iter()
+        different(part, &claimed, &rivals)
+            .into_iter()
             .map(|rival| (Reading::Velocity(rival.reading), rival.residual.all)),
     );
-    let shown = near.iter().take(MOST_SHOWN).copied().map(Reading::Velocity);
+    let shown = near
+        .iter()
+        .filter(|reading| differ(part, reading, &claimed));
+    let shown = shown.take(MOST_SHOWN).copied().map(Reading::Velocity);
     verdict.outcome = outcome(decision, verdict.witness, || shown.collect());
     // All that this part does not rule out.
     let worst = match decision {
@@ -151,6 +154,25 @@ fn judge_part(
         verdict,
         possible: Some(possible),
     }
+}
+
+/// Of the rivals that mean the same in this part only the likeliest, and none that means the same as the claimed reading.
+fn different<'a>(part: Part, claimed: &VectorReading, rivals: &'a [Rival]) -> Vec<&'a Rival> {
+    let mut different: Vec<&Rival> = Vec::new();
+    for rival in rivals {
+        if !differ(part, &rival.reading, claimed) {
+            continue;
+        }
+        let same = |shown: &&mut &Rival| !differ(part, &rival.reading, &shown.reading);
+        match different.iter_mut().find(same) {
+            Some(shown) if rank(&rival.reading, claimed) < rank(&shown.reading, claimed) => {
+                *shown = rival;
+            }
+            Some(_) => {}
+            None => different.push(rival),
+        }
+    }
+    different
 }
 
 /// Decides between the claimed reading and its rivals, the best of them first.

@@ -25,6 +25,7 @@ pub fn hint(findings: &Findings, asked: &BTreeMap<Kind, HowAsked>) -> String {
     if let Some(reading) = elsewhere.filter(|_| first.is_none()) {
         hints.extend(of_reading(&reading, asked));
     }
+    hints.push("`flightcam check` shows the evidence".to_owned());
     hints.push("--trust goes on regardless".to_owned());
     hints.join("; ")
 }
@@ -86,12 +87,19 @@ fn of_reading(reading: &Reading, asked: &BTreeMap<Kind, HowAsked>) -> Option<Str
 fn of_attitude(reading: &AttitudeReading) -> Option<(String, String)> {
     let axes = format!("{}-{}", reading.body, reading.world);
     let (word, key) = match reading.form {
-        Form::Quaternion { scalar_last: true } => (format!("xyzw:{axes}"), "order = \"xyzw\" and "),
-        Form::Quaternion { scalar_last: false } => (axes.clone(), ""),
-        Form::Angles { swapped, opposite } => {
-            let is_as_usual = !swapped && opposite == [false; 3];
-            is_as_usual.then(|| (axes.clone(), ""))?
+        Form::Quaternion { scalar_last: true } => {
+            (format!("xyzw:{axes}"), "order = \"xyzw\" and ".to_owned())
         }
+        Form::Quaternion { scalar_last: false } => (axes.clone(), String::new()),
+        Form::Angles {
+            unit,
+            swapped: false,
+            opposite: [false, false, false],
+        } => {
+            let unit = unit.name;
+            (format!("{unit}:{axes}"), format!("unit = \"{unit}\" and "))
+        }
+        Form::Angles { .. } | Form::OtherAngles => return None,
     };
     let has_words = !reading.inverse && reading.north_deg == 0.0;
     has_words.then(|| (word, format!("{key}convention = \"{axes}\"")))

@@ -4,7 +4,7 @@ use flightcam::{
     sample::GimbalReference,
     source::{
         Because, NamedFrame, ReadAs, Reading, RefusedFrames,
-        profile::convention::{EulerOrder, LengthUnit, SpeedUnit},
+        profile::convention::{AccelerationUnit, EulerOrder, LengthUnit, RateUnit, SpeedUnit},
     },
     text,
 };
@@ -82,6 +82,20 @@ fn reading(reading: Reading) -> String {
             )
         }
         Reading::Velocity { axes, unit } => format!("{} in {axes}", speed(unit)),
+        Reading::AngularRate { axes, unit } => {
+            let unit = match unit {
+                RateUnit::RadiansPerSecond => "rad/s",
+                RateUnit::DegreesPerSecond => "deg/s",
+            };
+            format!("{unit} in {axes}")
+        }
+        Reading::Acceleration { axes, unit } => {
+            let unit = match unit {
+                AccelerationUnit::MetresPerSecondSquared => "m/s²",
+                AccelerationUnit::Gravities => "g",
+            };
+            format!("{unit} in {axes}")
+        }
         Reading::Local { axes, unit } => format!("{} in {axes}", length(unit)),
         Reading::Geodetic {
             unit,

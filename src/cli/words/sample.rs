@@ -7,7 +7,8 @@ use flightcam::{
 
 /// A kind of sample as the label of a line.
 pub fn label(kind: Kind) -> String {
-    let (initial, rest) = kind.name().split_at(1);
+    let name = kind.name().replace('_', " ");
+    let (initial, rest) = name.split_at(1);
     initial.to_uppercase() + rest
 }
 
@@ -45,6 +46,12 @@ pub fn first_sample(sample: &FirstSample) -> String {
         } => format!("{latitude:.6}° N, {longitude:.6}° E, {altitude:.1} m"),
         FirstSample::PositionLocal { north, east, down } => {
             format!("north {north:.1}, east {east:.1}, down {down:.1} m")
+        }
+        FirstSample::AngularRate { front, right, down } => {
+            format!("front {front:.2}, right {right:.2}, down {down:.2} rad/s")
+        }
+        FirstSample::Acceleration { front, right, down } => {
+            format!("front {front:.2}, right {right:.2}, down {down:.2} m/s²")
         }
         ref other => format!("{other:?}"),
     }

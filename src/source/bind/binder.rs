@@ -10,9 +10,9 @@ use crate::{
         value::FieldValue,
     },
     source::profile::{
-        AttitudeFields, Components, Condition, Coordinates, Euler, GimbalFields, OptionalField,
-        Orientation, Pitch, Quaternion, RoleFields, SampleTime, Test, TimeField, VelocityFields,
-        convention::QuaternionOrder,
+        AccelerationFields, AngularRateFields, AttitudeFields, Components, Condition, Coordinates,
+        Euler, GimbalFields, OptionalField, Orientation, Pitch, Quaternion, RoleFields, SampleTime,
+        Test, TimeField, VelocityFields, convention::QuaternionOrder,
     },
 };
 
@@ -89,6 +89,18 @@ impl<'a> Binder<'a> {
             }),
             RoleFields::Position(coordinates) => {
                 RoleFields::Position(self.coordinates(coordinates)?)
+            }
+            RoleFields::AngularRate(rate) => RoleFields::AngularRate(AngularRateFields {
+                vector: self.components(&rate.vector, XYZ)?,
+                frame: rate.frame,
+                unit: rate.unit,
+            }),
+            RoleFields::Acceleration(acceleration) => {
+                RoleFields::Acceleration(AccelerationFields {
+                    vector: self.components(&acceleration.vector, XYZ)?,
+                    frame: acceleration.frame,
+                    unit: acceleration.unit,
+                })
             }
         })
     }

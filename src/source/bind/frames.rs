@@ -196,6 +196,20 @@ fn usual(
             };
             (reading, said)
         }
+        RoleFields::AngularRate(rate) => {
+            let reading = Reading::AngularRate {
+                axes: rate.frame,
+                unit: rate.unit,
+            };
+            (reading, said)
+        }
+        RoleFields::Acceleration(acceleration) => {
+            let reading = Reading::Acceleration {
+                axes: acceleration.frame,
+                unit: acceleration.unit,
+            };
+            (reading, said)
+        }
         RoleFields::Position(Coordinates::Local { frame, unit, .. }) => {
             let reading = Reading::Local {
                 axes: *frame,

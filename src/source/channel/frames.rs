@@ -53,6 +53,10 @@ impl Conversion {
                 axes: Axes::World(axes),
                 ..same
             },
+            Reading::AngularRate { axes, .. } | Reading::Acceleration { axes, .. } => Self {
+                axes: Axes::Body(axes),
+                ..same
+            },
             Reading::Pitch { .. } | Reading::Geodetic { .. } => same,
         }
     }
@@ -67,8 +71,8 @@ impl Conversion {
         Velocity::in_axes(self.axes, components)
     }
 
-    /// Converts a local position, metres.
-    pub fn place(&self, components: Vector3<f64>) -> Vector3<f64> {
+    /// Converts a vector, whatever it is of.
+    pub fn vector(&self, components: Vector3<f64>) -> Vector3<f64> {
         match self.axes {
             Axes::World(axes) => axes.to_own(components),
             Axes::Body(axes) => axes.to_own(components),
@@ -263,6 +267,9 @@ fn by_name(usual: Reading, first: &str, second: &str) -> Result<Reading, Unclear
             axes: resolve::place(first, axes)?,
             unit,
         },
-        Reading::Pitch { .. } | Reading::Geodetic { .. } => usual,
+        Reading::Pitch { .. }
+        | Reading::Geodetic { .. }
+        | Reading::AngularRate { .. }
+        | Reading::Acceleration { .. } => usual,
     })
 }

@@ -194,6 +194,20 @@ const RULES: &[TypeRule] = &[
             orientation(None, HEADER, ROS),
         )
     },
+    // The same of its other values.
+    marked(
+        &["sensor_msgs/Imu"],
+        "angular_velocity",
+        &[mark("angular_velocity_covariance[0]", Holds::Exactly(-1.0))],
+    ),
+    marked(
+        &["sensor_msgs/Imu"],
+        "linear_acceleration",
+        &[mark(
+            "linear_acceleration_covariance[0]",
+            Holds::Exactly(-1.0),
+        )],
+    ),
     rule(
         &[
             "geometry_msgs/PoseStamped",

@@ -4,9 +4,11 @@ use serde::Serialize;
 
 use crate::{
     decode::path::FieldPath,
-    geometry::axes::{Axes, WorldAxes},
+    geometry::axes::{Axes, BodyAxes, WorldAxes},
     sample::GimbalReference,
-    source::profile::convention::{AngleUnit, Convention, EulerOrder, LengthUnit, SpeedUnit},
+    source::profile::convention::{
+        AccelerationUnit, AngleUnit, Convention, EulerOrder, LengthUnit, RateUnit, SpeedUnit,
+    },
     text::Foreign,
 };
 
@@ -64,6 +66,20 @@ pub enum Reading {
         axes: Axes,
         /// Its unit.
         unit: SpeedUnit,
+    },
+    /// Angular rates.
+    AngularRate {
+        /// Their axes.
+        axes: BodyAxes,
+        /// Their unit.
+        unit: RateUnit,
+    },
+    /// Accelerations.
+    Acceleration {
+        /// Their axes.
+        axes: BodyAxes,
+        /// Their unit.
+        unit: AccelerationUnit,
     },
     /// A position relative to an origin of the log's own.
     Local {

@@ -96,6 +96,50 @@ impl SpeedUnit {
     }
 }
 
+/// The unit of an angular rate.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum RateUnit {
+    /// Radians per second.
+    #[default]
+    #[serde(rename = "rad/s")]
+    RadiansPerSecond,
+    /// Degrees per second.
+    #[serde(rename = "deg/s")]
+    DegreesPerSecond,
+}
+
+impl RateUnit {
+    /// How many of this unit make a radian per second.
+    pub fn per_radian_per_second(self) -> f64 {
+        match self {
+            Self::RadiansPerSecond => 1.0,
+            Self::DegreesPerSecond => 180.0 / std::f64::consts::PI,
+        }
+    }
+}
+
+/// The unit of an acceleration.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum AccelerationUnit {
+    /// Metres per second squared.
+    #[default]
+    #[serde(rename = "m/s2")]
+    MetresPerSecondSquared,
+    /// Standard gravity, 9.80665 m/s².
+    #[serde(rename = "g")]
+    Gravities,
+}
+
+impl AccelerationUnit {
+    /// How many of this unit make a metre per second squared.
+    pub fn per_metre_per_second_squared(self) -> f64 {
+        match self {
+            Self::MetresPerSecondSquared => 1.0,
+            Self::Gravities => 1.0 / 9.806_65,
+        }
+    }
+}
+
 /// The unit of a length.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum LengthUnit {

@@ -8,8 +8,8 @@ use toml::Value;
 use super::{
     components::Components,
     convention::{
-        AngleUnit, Axes, Convention, EulerOrder, LengthUnit, PositiveDirection, QuaternionOrder,
-        SpeedUnit, WorldAxes,
+        AccelerationUnit, AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit,
+        PositiveDirection, QuaternionOrder, RateUnit, SpeedUnit, WorldAxes,
     },
     error::BadRole,
 };
@@ -30,6 +30,10 @@ pub enum RoleFields<F = FieldPath> {
     Gimbal(GimbalFields<F>),
     /// Fields of the drone's position.
     Position(Coordinates<F>),
+    /// Fields of its angular rates.
+    AngularRate(AngularRateFields<F>),
+    /// Fields of its accelerations.
+    Acceleration(AccelerationFields<F>),
 }
 
 /// The drone's attitude.
@@ -60,6 +64,32 @@ pub struct VelocityFields<F = FieldPath> {
     /// Whether the profile fits only a log that has it.
     #[serde(default)]
     pub required: bool,
+}
+
+/// The drone's angular rates.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(bound(deserialize = "F: DeserializeOwned"))]
+pub struct AngularRateFields<F = FieldPath> {
+    /// The rates.
+    pub vector: Components<3, F>,
+    /// The axes that they are about.
+    pub frame: BodyAxes,
+    /// Their unit.
+    #[serde(default)]
+    pub unit: RateUnit,
+}
+
+/// What the drone's accelerometer measures.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(bound(deserialize = "F: DeserializeOwned"))]
+pub struct AccelerationFields<F = FieldPath> {
+    /// The specific force.
+    pub vector: Components<3, F>,
+    /// Its axes.
+    pub frame: BodyAxes,
+    /// Its unit.
+    #[serde(default)]
+    pub unit: AccelerationUnit,
 }
 
 /// The angles of a gimbal.
@@ -188,6 +218,8 @@ impl<F> RoleFields<F> {
             Self::Velocity(_) => Kind::Velocity,
             Self::Gimbal(_) => Kind::Gimbal,
             Self::Position(_) => Kind::Position,
+            Self::AngularRate(_) => Kind::AngularRate,
+            Self::Acceleration(_) => Kind::Acceleration,
         }
     }
 
@@ -196,6 +228,8 @@ impl<F> RoleFields<F> {
         match self {
             Self::Attitude(attitude) => attitude.orientation.fields(),
             Self::Velocity(velocity) => velocity.vector.fields(),
+            Self::AngularRate(rate) => rate.vector.fields(),
+            Self::Acceleration(acceleration) => acceleration.vector.fields(),
             Self::Gimbal(gimbal) => gimbal.orientation.fields(),
             Self::Position(Coordinates::Local { vector, .. }) => vector.fields(),
             Self::Position(Coordinates::Geodetic {
@@ -212,7 +246,10 @@ impl<F> RoleFields<F> {
         let orientation = match self {
             Self::Attitude(attitude) => &attitude.orientation,
             Self::Gimbal(gimbal) => &gimbal.orientation,
-            Self::Velocity(_) | Self::Position(_) => return None,
+            Self::Velocity(_)
+            | Self::Position(_)
+            | Self::AngularRate(_)
+            | Self::Acceleration(_) => return None,
         };
         match orientation {
             Orientation::Quaternion(_) => None,
@@ -260,6 +297,8 @@ impl RoleFields {
                 let InRole { coordinates } = InRole::deserialize(role)?;
                 Self::Position(coordinates)
             }
+            Kind::AngularRate => Self::AngularRate(AngularRateFields::deserialize(role)?),
+            Kind::Acceleration => Self::Acceleration(AccelerationFields::deserialize(role)?),
         })
     }
 }

@@ -11,8 +11,8 @@ use toml::{
 };
 
 use super::{
-    Alternative, AttitudeFields, Coordinates, GimbalFields, Location, Profile, RoleFields, Roles,
-    SampleTime, VelocityFields, Written,
+    AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Coordinates, GimbalFields,
+    Location, Profile, RoleFields, Roles, SampleTime, VelocityFields, Written,
     error::{BadRole, NotAProfile, Problem},
     yes,
 };
@@ -168,6 +168,8 @@ fn keys_of(role: Kind) -> Vec<&'static str> {
         Kind::Velocity => keys::of::<VelocityFields>(),
         Kind::Gimbal => keys::of::<GimbalFields>(),
         Kind::Position => keys::of::<Coordinates>(),
+        Kind::AngularRate => keys::of::<AngularRateFields>(),
+        Kind::Acceleration => keys::of::<AccelerationFields>(),
     };
     [keys::of::<Location>(), of_fields].concat()
 }

@@ -10,8 +10,9 @@ use crate::{
     decode::path::{FieldPath, Filter, split},
     sample::{GimbalReference, Kind},
     source::profile::{
-        Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
-        Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields, Written,
+        AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Components,
+        Coordinates, Euler, GimbalFields, Location, Orientation, Pitch, Quaternion, RoleFields,
+        SampleTime, TimeField, VelocityFields, Written,
         convention::{AngleUnit, Axes, WorldAxes},
     },
 };
@@ -63,6 +64,16 @@ impl RoleArgument {
             Kind::Velocity => RoleFields::Velocity(velocity(&fields, &mut words)?),
             Kind::Gimbal => RoleFields::Gimbal(gimbal(&fields, &mut words)?),
             Kind::Position => RoleFields::Position(position(&fields, &mut words)?),
+            Kind::AngularRate => RoleFields::AngularRate(AngularRateFields {
+                vector: components(role, &fields)?,
+                frame: words.take().ok_or(BadArgument::NoBodyAxes)?,
+                unit: words.take().unwrap_or_default(),
+            }),
+            Kind::Acceleration => RoleFields::Acceleration(AccelerationFields {
+                vector: components(role, &fields)?,
+                frame: words.take().ok_or(BadArgument::NoBodyAxes)?,
+                unit: words.take().unwrap_or_default(),
+            }),
         };
         fields.check()?;
         words.finish()?;

@@ -63,6 +63,11 @@ pub enum BadArgument {
     NoAxes,
 
     #[error(
+        "angular rates and accelerations need the drone's axes: `:frd` or `:flu` after the fields"
+    )]
+    NoBodyAxes,
+
+    #[error(
         "one field is a pitch angle, which needs its unit (`:degrees`, `:radians`), or a quaternion, \
          which needs what it is measured from (`:earth`, `:heading`, `:airframe`)"
     )]
@@ -101,6 +106,8 @@ fn takes(role: Kind) -> &'static str {
             "an attitude takes one (a quaternion), three (roll, pitch, yaw) or four (w, x, y, z)"
         }
         Kind::Velocity => "a velocity takes one (a vector) or three",
+        Kind::AngularRate => "angular rates take one (a vector) or three",
+        Kind::Acceleration => "accelerations take one (a vector) or three",
         Kind::Gimbal => {
             "a gimbal takes one (a pitch angle or a quaternion), three (roll, pitch, yaw) or four (w, x, y, z)"
         }

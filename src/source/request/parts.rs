@@ -8,7 +8,7 @@ use super::BadArgument;
 use crate::{
     decode::path::{FieldPath, Filter, MessagePath, split},
     sample::Kind,
-    source::profile::convention::{Axes, Convention, NotAConvention, WorldAxes},
+    source::profile::convention::{Axes, BodyAxes, Convention, NotAConvention, WorldAxes},
 };
 
 /// The parts of an argument: the topic, which of its messages, their fields, and the words after the colons.
@@ -116,6 +116,12 @@ const WORLD_AXES: Group = Group {
     words: &["ned", "enu"],
     others: |word| word.parse::<WorldAxes>().is_ok(),
 };
+const BODY_AXES: Group = Group {
+    words: &["frd", "flu"],
+    others: |word| word.parse::<BodyAxes>().is_ok(),
+};
+const RATE_UNITS: Group = Group::of(&["rad/s", "deg/s"]);
+const ACCELERATION_UNITS: Group = Group::of(&["m/s2", "g"]);
 const SPEED_UNITS: Group = Group::of(&["m/s", "cm/s", "mm/s"]);
 const DIRECTIONS: Group = Group::of(&["up", "down"]);
 const GLOBE_UNITS: Group = Group::of(&["radians", "degrees", "degE7"]);
@@ -136,6 +142,8 @@ pub fn vocabulary(role: Kind) -> Vocabulary {
             CONVENTIONS,
         ],
         Kind::Position => &[GLOBE_UNITS, WORLD_AXES, LENGTH_UNITS],
+        Kind::AngularRate => &[BODY_AXES, RATE_UNITS],
+        Kind::Acceleration => &[BODY_AXES, ACCELERATION_UNITS],
     }
 }
 

@@ -39,6 +39,8 @@ pub struct LogSearch<'a> {
     /// What the velocity is taken from.
     pub velocity_from: VelocityFrom,
     pub thoroughness: Thoroughness,
+    /// The kinds of sample that are looked for.
+    pub kinds: &'static [Kind],
 }
 
 impl<'a> LogSearch<'a> {
@@ -49,6 +51,7 @@ impl<'a> LogSearch<'a> {
         request: &'a Request,
         proof: Proof,
         thoroughness: Thoroughness,
+        kinds: &'static [Kind],
     ) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
         for (channel, _) in log.contents.channels_with_messages() {
@@ -63,6 +66,7 @@ impl<'a> LogSearch<'a> {
             requested: &request.roles,
             velocity_from: request.velocity_from,
             thoroughness,
+            kinds,
         }
     }
 

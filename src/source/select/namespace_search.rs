@@ -61,7 +61,11 @@ impl<'a> NamespaceSearch<'a> {
     pub fn complete(&self, attitude: Chosen, own: &str) -> Result<Fit, Unfit> {
         let mut others = BTreeMap::new();
         for kind in Kind::ALL.into_iter().filter(|&kind| kind != Kind::Attitude) {
-            let chosen = match self.choose(kind, Some(own)) {
+            let chosen = match self.log_search.kinds.contains(&kind) {
+                true => self.choose(kind, Some(own)),
+                false => Err(self.why_nowhere(kind, None).into()),
+            };
+            let chosen = match chosen {
                 Ok(chosen) => Ok(chosen),
                 Err(Unfit::Misfit(misfit)) if !self.needs(kind, &misfit) => Err(misfit),
                 Err(unfit) => return Err(self.as_requested(kind, unfit)),

@@ -1,7 +1,7 @@
 use flightcam::{
     check::{
         RECEIVER_LAG,
-        reading::{AttitudeReading, Form, SPEED_UNITS, VectorReading},
+        reading::{ANGLE_UNITS, AttitudeReading, Form, SPEED_UNITS, VectorReading},
         verdict::{Outcome, Reading, Subject, Undecided, Witness},
     },
     geometry::axes::{Axes, BodyAxes, WorldAxes},
@@ -280,7 +280,15 @@ fn a_straight_flight_does_not_tell_what_lies_across_it() {
 fn attitudes() -> Vec<(Written, Reading)> {
     let (frd, ned) = (BodyAxes::FRD, WorldAxes::NED);
     let claimed = AttitudeReading::new(AttitudeReading::WXYZ, frd, ned);
-    let angles = |swapped, opposite| attitude_reading(Form::Angles { swapped, opposite }, frd, ned);
+    let angles = |swapped, opposite| {
+        let unit = ANGLE_UNITS[0];
+        let form = Form::Angles {
+            unit,
+            swapped,
+            opposite,
+        };
+        attitude_reading(form, frd, ned)
+    };
     let quaternion = |attitude| Written {
         attitude,
         ..Written::default()

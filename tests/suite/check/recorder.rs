@@ -1,6 +1,9 @@
 use flightcam::{
     check::{Claims, Recorder},
-    sample::{AttitudeSample, Sample, Stamp, Velocity, VelocitySample},
+    sample::{
+        AccelerationSample, AngularRateSample, AttitudeSample, Sample, Stamp, Velocity,
+        VelocitySample,
+    },
 };
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -27,8 +30,10 @@ fn record_long_flight(hours: u64) -> Recorder {
             stamp,
             velocity: Velocity::Ned(Vector3::zeros()),
         }));
-        recorder.push_angular_rate(log_time, Vector3::zeros());
-        recorder.push_acceleration(log_time, Vector3::z());
+        let rate = Vector3::zeros();
+        recorder.push(&Sample::AngularRate(AngularRateSample { stamp, rate }));
+        let force = Vector3::z();
+        recorder.push(&Sample::Acceleration(AccelerationSample { stamp, force }));
     }
     recorder
 }

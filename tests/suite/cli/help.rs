@@ -19,7 +19,7 @@ fn help_and_version_are_printed_when_asked_for() {
 
 #[test]
 fn every_example_in_the_help_is_understood() {
-    for subcommand in ["enrich", "inspect"] {
+    for subcommand in ["enrich", "inspect", "check"] {
         let (help, _) = Folder::new().run(&format!("{subcommand} --help"), 0);
         let words: Vec<&str> = help.split_whitespace().collect();
         let examples = words

@@ -280,7 +280,7 @@ fn check(
                     };
                     prop_assert_eq!(found.as_slice(), numbers, "{:?}\n{}", paths, text);
                 }
-                Sample::Gimbal(_) => panic!(),
+                other => panic!("{other:?}"),
             }
         }
         let expected = (missing > 0).then_some((DropReason::MissingField, missing));

@@ -22,7 +22,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::support::flights::{
     self, Recording,
-    flight::{self, Flight},
+    flight::Flight,
     recording::{self, Reference},
 };
 
@@ -124,7 +124,7 @@ impl Motion {
             (times[1], [roll, pitch, yaw])
         });
         let velocities = flight.velocity_times.iter().map(|&time| {
-            let velocity = camera(time).transpose() * flight::velocity(time);
+            let velocity = camera(time).transpose() * flight.velocity(time);
             (time, velocity.into())
         });
         Self {
@@ -198,12 +198,12 @@ impl Expectation {
             let times = flight.position_times.iter();
             match position {
                 recording::Position::Geodetic { tolerance } => (
-                    times.map(|&time| (time, flight::geodetic(time))).collect(),
+                    times.map(|&time| (time, flight.geodetic(time))).collect(),
                     tolerance,
                 ),
                 recording::Position::Local { tolerance } => (
                     times
-                        .map(|&time| (time, flight::local(time).into()))
+                        .map(|&time| (time, flight.local(time).into()))
                         .collect(),
                     tolerance,
                 ),

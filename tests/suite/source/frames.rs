@@ -80,8 +80,7 @@ fn odometry(schema: fn(&str) -> Schema, frames: [&'static str; 2], habits: Habit
         Flight::in_one_message(),
         move |flight, log| {
             let messages = flight.attitude_times.iter().map(|&time| {
-                let velocity =
-                    (habits.velocity)(flight::velocity(time), flight.body_velocity(time));
+                let velocity = (habits.velocity)(flight.velocity(time), flight.body_velocity(time));
                 let wanted = Wanted::new()
                     .text("header.frame_id", frames[0])
                     .text("child_frame_id", frames[1])
@@ -89,7 +88,7 @@ fn odometry(schema: fn(&str) -> Schema, frames: [&'static str; 2], habits: Habit
                         "pose.pose.orientation",
                         (habits.attitude)(flight.attitude(time)),
                     )
-                    .xyz("pose.pose.position", (habits.position)(flight::local(time)))
+                    .xyz("pose.pose.position", (habits.position)(flight.local(time)))
                     .xyz("twist.twist.linear", velocity);
                 (time, wanted)
             });
@@ -157,7 +156,7 @@ fn stamped(frames: [&'static str; 2], habits: Habits) -> Recording {
         });
         log.topic("/pose", &ros2("geometry_msgs/PoseStamped"), poses);
         let twists = flight.velocity_times.iter().map(|&time| {
-            let velocity = (habits.velocity)(flight::velocity(time), flight.body_velocity(time));
+            let velocity = (habits.velocity)(flight.velocity(time), flight.body_velocity(time));
             let wanted = Wanted::new()
                 .text("header.frame_id", frames[1])
                 .xyz("twist.linear", velocity);

@@ -9,7 +9,10 @@ use flightcam::{
         verdict::{Reading, Subject, Witness},
     },
     geometry::axes::{Axes, BodyAxes, WorldAxes},
-    sample::{AttitudeSample, Position, PositionSample, Sample, Stamp, Velocity, VelocitySample},
+    sample::{
+        AccelerationSample, AngularRateSample, AttitudeSample, Position, PositionSample, Sample,
+        Stamp, Velocity, VelocitySample,
+    },
 };
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -76,13 +79,6 @@ fn stamp(seconds: f64) -> Stamp {
     }
 }
 
-/// What is fed to a recorder.
-enum Event {
-    Sample(Sample),
-    Rate(Vector3<f64>),
-    Force(Vector3<f64>),
-}
-
 impl Written {
     /// Records a flight.
     pub fn record(&self, manoeuvre: Manoeuvre, seconds: f64, seed: u64) -> Recorder {
@@ -95,15 +91,11 @@ impl Written {
         };
         let states = fly(manoeuvre, seconds, self.strongest_wind, seed);
         let measured = measure(&states, sensors, seed);
-        let mut events = self.events(&measured);
-        events.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
+        let mut samples = self.samples(&measured);
+        samples.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
         let mut recorder = Recorder::default();
-        for (time, event) in events {
-            match event {
-                Event::Sample(sample) => recorder.push(&sample),
-                Event::Rate(rate) => recorder.push_angular_rate(at(time), rate),
-                Event::Force(force) => recorder.push_acceleration(at(time), force),
-            }
+        for (_, sample) in samples {
+            recorder.push(&sample);
         }
         recorder
     }
@@ -143,16 +135,16 @@ impl Written {
         }
     }
 
-    fn events(&self, measured: &Measured) -> Vec<(f64, Event)> {
-        let mut events = Vec::new();
+    fn samples(&self, measured: &Measured) -> Vec<(f64, Sample)> {
+        let mut samples = Vec::new();
         for &(time, attitude) in &measured.attitudes {
-            events.push((
+            samples.push((
                 time,
-                Event::Sample(Sample::Attitude(AttitudeSample {
+                Sample::Attitude(AttitudeSample {
                     stamp: stamp(time),
                     orientation: (self.attitude)(attitude),
                     reset_counter: None,
-                })),
+                }),
             ));
         }
         for &(time, velocity) in &measured.velocities {
@@ -164,15 +156,15 @@ impl Written {
             };
             let read = numbers * self.per_metre_per_second;
             let late = time + self.late_by;
-            events.push((
+            samples.push((
                 late,
-                Event::Sample(Sample::Velocity(VelocitySample {
+                Sample::Velocity(VelocitySample {
                     stamp: stamp(late),
                     velocity: match self.read_as_body {
                         true => Velocity::Frd(read),
                         false => Velocity::Ned(read),
                     },
-                })),
+                }),
             ));
         }
         let places = measured.places.iter().filter(|_| self.has_positions);
@@ -186,22 +178,30 @@ impl Written {
                 false => Position::Local(self.in_metres([latitude, longitude, altitude], measured)),
             };
             let stamp = stamp(time);
-            events.push((
-                time,
-                Event::Sample(Sample::Position(PositionSample {
-                    stamp,
-                    position,
-                    resets: Default::default(),
-                })),
-            ));
+            let resets = Default::default();
+            let position = PositionSample {
+                stamp,
+                position,
+                resets,
+            };
+            samples.push((time, Sample::Position(position)));
         }
         if let Some([rates, forces]) = self.imu {
-            let rate = |&(time, rate)| (time, Event::Rate(rates.components_of(rate)));
-            let force = |&(time, force)| (time, Event::Force(forces.components_of(force)));
-            events.extend(measured.rates.iter().map(rate));
-            events.extend(measured.forces.iter().map(force));
+            let rate = |&(time, rate)| {
+                let (stamp, rate) = (stamp(time), rates.components_of(rate));
+                (time, Sample::AngularRate(AngularRateSample { stamp, rate }))
+            };
+            let force = |&(time, force)| {
+                let (stamp, force) = (stamp(time), forces.components_of(force));
+                (
+                    time,
+                    Sample::Acceleration(AccelerationSample { stamp, force }),
+                )
+            };
+            samples.extend(measured.rates.iter().map(rate));
+            samples.extend(measured.forces.iter().map(force));
         }
-        events
+        samples
     }
 
     /// A position in metres, in the same axes as the velocity.

@@ -12,7 +12,8 @@ pub fn recordings() -> Vec<Recording> {
         recording("pose and receiver", Flight::new(), |mut log| {
             log.pose("/ap/pose/filtered")
                 .world_twist("/ap/twist/filtered")
-                .fix("/ap/navsat");
+                .fix("/ap/navsat")
+                .imu_in("/ap/imu/experimental/data", |frd| frd);
         })
         .with_geodetic(1e-9),
         recording("pose", with_position(), |mut log| {

@@ -67,7 +67,7 @@ fn velocity(log: &mut Ros) {
         |time| {
             Wanted::new()
                 .text("header.frame_id", "ground_ENU")
-                .xyz("vector", flight::enu(flight::velocity(time)))
+                .xyz("vector", flight::enu(flight.velocity(time)))
         },
     );
 }
@@ -79,7 +79,7 @@ fn local_position(log: &mut Ros) {
         "/dji_osdk_ros/local_position",
         message,
         &flight.position_times,
-        |time| Wanted::new().xyz("point", flight::enu(flight::local(time))),
+        |time| Wanted::new().xyz("point", flight::enu(flight.local(time))),
     );
 }
 
@@ -93,7 +93,7 @@ fn gimbal(log: &mut Ros, frame_id: &str, fields: [&str; 3]) {
         &flight.gimbal_times,
         |time| {
             Wanted::new()
-                .numbers(fields, flight::gimbal(time).map(f64::to_degrees))
+                .numbers(fields, flight.gimbal_angles(time).map(f64::to_degrees))
                 .text("header.frame_id", frame_id)
         },
     );

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{
     definition::Wanted,
-    flight::{self, Angles, Flight},
+    flight::{Angles, Flight},
     recorder::{Recorder, Schema},
     recording::Recording,
 };
@@ -74,12 +74,12 @@ fn in_all_spellings(profile: &'static str, unit: fn(Angles) -> Angles) -> Vec<Re
         let write = move |flight: &Flight, log: &mut Recorder| {
             let messages = flight.attitude_times.iter().map(|&time| {
                 let place = match is_local {
-                    true => flight::local(time).into(),
-                    false => flight::geodetic(time),
+                    true => flight.local(time).into(),
+                    false => flight.geodetic(time),
                 };
                 let mut message = json!({"note": "junk", "count": 7});
-                put(&mut message, attitude, unit(flight::attitude(time)));
-                put(&mut message, velocity, flight::velocity(time).into());
+                put(&mut message, attitude, unit(flight.angles(time)));
+                put(&mut message, velocity, flight.velocity(time).into());
                 put(&mut message, position, place);
                 (time, message)
             });
@@ -105,9 +105,9 @@ fn demonstration() -> Recording {
     let write = move |flight: &Flight, log: &mut Recorder| {
         let messages = flight.attitude_times.iter().map(|&time| {
             let wanted = Wanted::new()
-                .numbers(ATTITUDE[0], flight::attitude(time))
-                .numbers(VELOCITY[0], flight::velocity(time).into())
-                .numbers(GEODETIC[1], flight::geodetic(time));
+                .numbers(ATTITUDE[0], flight.angles(time))
+                .numbers(VELOCITY[0], flight.velocity(time).into())
+                .numbers(GEODETIC[1], flight.geodetic(time));
             (time, wanted)
         });
         log.topic("/drone/state", &schema, messages);
@@ -130,10 +130,10 @@ pub fn reference(flight: &Flight) -> Vec<u8> {
     let messages = times.into_iter().map(|time| {
         let mut message = json!({});
         if flight.attitude_times.contains(&time) {
-            put(&mut message, ATTITUDE[0], flight::attitude(time));
+            put(&mut message, ATTITUDE[0], flight.angles(time));
         }
         if flight.velocity_times.contains(&time) {
-            put(&mut message, VELOCITY[0], flight::velocity(time).into());
+            put(&mut message, VELOCITY[0], flight.velocity(time).into());
         }
         (time, message)
     });

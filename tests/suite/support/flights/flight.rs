@@ -1,14 +1,19 @@
 //! The flight, in the conventions of its publishers.
 
-use std::f64::consts::{PI, TAU};
+use std::{
+    f64::consts::{PI, TAU},
+    rc::Rc,
+};
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+
+use super::simulated::Simulated;
 
 /// The log time at which the flight begins, in nanoseconds.
 const START: u64 = 1_700_000_000_000_000_000;
 const MILLISECOND: u64 = 1_000_000;
 
-/// When what was recorded. The values follow from the time.
+/// When what was recorded. The values follow from the time: by formulas, or as they were simulated.
 #[derive(Debug, Clone)]
 pub struct Flight {
     pub attitude_times: Vec<u64>,
@@ -17,6 +22,7 @@ pub struct Flight {
     pub position_times: Vec<u64>,
     /// When there is a message that the log itself marks as unusable.
     pub invalid_times: Vec<u64>,
+    pub simulated: Option<Rc<Simulated>>,
 }
 
 /// Degrees, degrees, metres.
@@ -40,6 +46,7 @@ impl Flight {
             gimbal_times: times(10, 125, 100),
             position_times: times(100, 19, 600),
             invalid_times: times(140, 18, 630),
+            simulated: None,
         }
     }
 
@@ -86,25 +93,97 @@ impl Flight {
         }
     }
 
-    /// The drone's attitude (FRD in NED) at the time of an attitude sample, or between two of them.
-    pub fn attitude(&self, time: u64) -> UnitQuaternion<f64> {
-        slerp(&self.attitude_times, time, attitude)
+    /// A simulated flight in its place, at the same rates.
+    pub fn simulated(mut self, simulated: Simulated) -> Self {
+        let end = START + (simulated.seconds() * 1e9) as u64;
+        for times in [
+            &mut self.attitude_times,
+            &mut self.velocity_times,
+            &mut self.gimbal_times,
+            &mut self.position_times,
+            &mut self.invalid_times,
+        ] {
+            if let [first, second, ..] = times[..] {
+                *times = (first..end).step_by((second - first) as usize).collect();
+            }
+        }
+        self.simulated = Some(Rc::new(simulated));
+        self
     }
 
-    /// How the gimbal holds the camera, its z axis down, in the axes that it is measured from.
-    pub fn gimbal(&self, time: u64) -> UnitQuaternion<f64> {
-        slerp(&self.gimbal_times, time, gimbal)
+    /// The drone's attitude (FRD in NED) at the time of an attitude sample, or between two of them.
+    pub fn attitude(&self, time: u64) -> UnitQuaternion<f64> {
+        match &self.simulated {
+            Some(simulated) => simulated.attitude(since_start(time)),
+            None => slerp(&self.attitude_times, time, attitude),
+        }
+    }
+
+    /// The same as roll, pitch and yaw.
+    pub fn angles(&self, time: u64) -> Angles {
+        match &self.simulated {
+            Some(_) => self.attitude(time).euler_angles().into(),
+            None => attitude(time),
+        }
+    }
+
+    /// The velocity over ground to north, east, down, in m/s.
+    pub fn velocity(&self, time: u64) -> Vector3<f64> {
+        match &self.simulated {
+            Some(simulated) => simulated.velocity(since_start(time)),
+            None => velocity(time),
+        }
     }
 
     /// The velocity over ground in the drone's front, right, down.
     pub fn body_velocity(&self, time: u64) -> Vector3<f64> {
-        self.attitude(time).inverse() * velocity(time)
+        self.attitude(time).inverse() * self.velocity(time)
+    }
+
+    /// How the gimbal holds the camera, its z axis down, in the axes that it is measured from.
+    pub fn gimbal(&self, time: u64) -> UnitQuaternion<f64> {
+        match &self.simulated {
+            Some(simulated) => simulated.gimbal(since_start(time)),
+            None => slerp(&self.gimbal_times, time, gimbal),
+        }
+    }
+
+    /// The same as roll, pitch and yaw.
+    pub fn gimbal_angles(&self, time: u64) -> Angles {
+        match &self.simulated {
+            Some(_) => self.gimbal(time).euler_angles().into(),
+            None => gimbal(time),
+        }
+    }
+
+    /// Where the drone is on the globe.
+    pub fn geodetic(&self, time: u64) -> Geodetic {
+        match &self.simulated {
+            Some(simulated) => simulated.geodetic(since_start(time)),
+            None => geodetic(time),
+        }
+    }
+
+    /// Where the drone is to north, east, down of where it started.
+    pub fn local(&self, time: u64) -> Vector3<f64> {
+        match &self.simulated {
+            Some(simulated) => simulated.local(since_start(time)),
+            None => local(time),
+        }
+    }
+
+    /// The angular rates about the drone's front, right, down, in rad/s, and what its accelerometer feels along them, in m/s².
+    pub fn felt(&self, time: u64) -> [Vector3<f64>; 2] {
+        match &self.simulated {
+            Some(simulated) => simulated.felt(since_start(time)),
+            None => [Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.4, 0.5, -9.8)],
+        }
     }
 }
 
 /// The drone's attitude: through all quadrants, and more than once around.
 pub fn attitude(time: u64) -> Angles {
-    let t = seconds(time);
+    let t = since_start(time);
     let roll = 2.9 * (1.3 * t + 0.4).sin();
     let pitch = 1.1 * (1.9 * t + 1.0).sin();
     let yaw = 2.4 * t - 2.0 + 0.6 * (3.0 * t).sin();
@@ -112,8 +191,8 @@ pub fn attitude(time: u64) -> Angles {
 }
 
 /// The velocity over ground to north, east, down, in m/s.
-pub fn velocity(time: u64) -> Vector3<f64> {
-    let t = seconds(time);
+fn velocity(time: u64) -> Vector3<f64> {
+    let t = since_start(time);
     Vector3::new(
         12.0 * (1.1 * t + 0.3).sin(),
         9.0 * (0.7 * t).cos(),
@@ -122,8 +201,8 @@ pub fn velocity(time: u64) -> Vector3<f64> {
 }
 
 /// The camera's orientation on the gimbal: slightly rolled, looking down, to the left and right of backwards.
-pub fn gimbal(time: u64) -> Angles {
-    let t = seconds(time);
+fn gimbal(time: u64) -> Angles {
+    let t = since_start(time);
     let roll = 0.2 * (1.1 * t).sin();
     let pitch = -0.6 + 0.3 * (1.7 * t).sin();
     let yaw = 2.8 + 0.9 * (1.2 * t).sin();
@@ -131,8 +210,8 @@ pub fn gimbal(time: u64) -> Angles {
 }
 
 /// Where the drone is on the globe.
-pub fn geodetic(time: u64) -> Geodetic {
-    let t = seconds(time);
+fn geodetic(time: u64) -> Geodetic {
+    let t = since_start(time);
     [
         47.3977 + 1e-4 * t,
         -122.5456 - 2e-4 * t,
@@ -141,8 +220,8 @@ pub fn geodetic(time: u64) -> Geodetic {
 }
 
 /// Where the drone is to north, east, down of where it started.
-pub fn local(time: u64) -> Vector3<f64> {
-    let t = seconds(time);
+fn local(time: u64) -> Vector3<f64> {
+    let t = since_start(time);
     Vector3::new(30.0 * t.sin(), 40.0 * t.cos(), -20.0 - 5.0 * t)
 }
 
@@ -179,7 +258,7 @@ fn in_other_axes(turn: impl Fn(Vector3<f64>) -> Vector3<f64>) -> UnitQuaternion<
 }
 
 /// Seconds since the flight began.
-fn seconds(time: u64) -> f64 {
+fn since_start(time: u64) -> f64 {
     (time - START) as f64 / 1e9
 }
 

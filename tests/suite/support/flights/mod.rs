@@ -9,6 +9,7 @@ pub mod encode;
 pub mod flight;
 pub mod recorder;
 pub mod recording;
+pub mod simulated;
 
 mod ardupilot;
 mod dji;

@@ -86,7 +86,7 @@ fn pose(flight: &Flight, time: u64) -> Wanted {
     Wanted::new()
         .text("frame_id", "map")
         .xyzw("pose.orientation", ros::attitude(flight, time))
-        .xyz("pose.position", flight::enu(flight::local(time)))
+        .xyz("pose.position", flight::enu(flight.local(time)))
 }
 
 fn protobuf(message: &str) -> Schema {

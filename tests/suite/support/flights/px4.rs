@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::{
     definition::Wanted,
-    flight::{self, Flight},
+    flight::Flight,
     recorder::{Recorder, Schema},
 };
 
@@ -48,14 +48,15 @@ impl Px4<'_> {
 
     /// Velocities at their times, positions at theirs, and in between messages that are marked invalid.
     pub fn vehicle_local_position(&mut self, release: &str) -> &mut Self {
+        let flight = self.flight;
         let message = |&time: &u64, has_velocity: bool, has_position: bool| {
             let velocity = if has_velocity {
-                flight::velocity(time)
+                flight.velocity(time)
             } else {
                 WRONG
             };
             let position = if has_position {
-                flight::local(time)
+                flight.local(time)
             } else {
                 WRONG
             };
@@ -66,7 +67,6 @@ impl Px4<'_> {
                 .numbers(["xy_valid", "z_valid"], marks(has_position, time));
             (time, wanted)
         };
-        let flight = self.flight;
         let velocities = flight
             .velocity_times
             .iter()
@@ -134,14 +134,14 @@ impl Px4<'_> {
             .enumerate()
             .map(|(place, &time)| {
                 let (velocity, frame) = match frame_of(place) {
-                    VelocityFrame::Ned => (flight::velocity(time), ned),
+                    VelocityFrame::Ned => (flight.velocity(time), ned),
                     VelocityFrame::BodyFrd => (flight.body_velocity(time), body_frd),
                 };
                 let q = flight.attitude(time);
                 let attitude = [q.w, q.i, q.j, q.k];
                 (
                     time,
-                    message(&attitude, velocity, flight::local(time), [ned, frame]),
+                    message(&attitude, velocity, flight.local(time), [ned, frame]),
                 )
             });
         let unusable = flight
@@ -173,12 +173,40 @@ impl Px4<'_> {
         )
     }
 
+    /// What the gyroscope and the accelerometer measure, at the times of attitudes.
+    pub fn sensor_combined(&mut self, release: &str) -> &mut Self {
+        let flight = self.flight;
+        let messages = flight.attitude_times.iter().map(|&time| {
+            let [rates, forces] = flight.felt(time);
+            let wanted = Wanted::new()
+                .list("gyro_rad", rates.as_slice())
+                .list("accelerometer_m_s2", forces.as_slice());
+            (time, wanted)
+        });
+        let messages = messages.collect();
+        self.put(release, "SensorCombined", "sensor_combined", messages)
+    }
+
+    /// The same, filtered.
+    pub fn filtered_imu(&mut self, release: &str) -> &mut Self {
+        let flight = self.flight;
+        let messages = |which: usize| -> Vec<(u64, Wanted)> {
+            let times = flight.attitude_times.iter();
+            let felt = |time: u64| Wanted::new().list("xyz", flight.felt(time)[which].as_slice());
+            times.map(|&time| (time, felt(time))).collect()
+        };
+        let name = "vehicle_angular_velocity";
+        self.put(release, "VehicleAngularVelocity", name, messages(0));
+        let name = "vehicle_acceleration";
+        self.put(release, "VehicleAcceleration", name, messages(1))
+    }
+
     /// With validity flags, as since PX4 1.16.
     pub fn vehicle_global_position(&mut self, release: &str) -> &mut Self {
         let flight = self.flight;
         let flags = ["lat_lon_valid", "alt_valid"];
         let valid = flight.position_times.iter().map(|&time| {
-            let wanted = Wanted::new().numbers(["lat", "lon", "alt"], flight::geodetic(time));
+            let wanted = Wanted::new().numbers(["lat", "lon", "alt"], flight.geodetic(time));
             (time, wanted.numbers(flags, [1.0, 1.0]))
         });
         let invalid = flight.invalid_times.iter().map(|&time| {
@@ -196,7 +224,8 @@ impl Px4<'_> {
 
     /// Without them, as before.
     pub fn vehicle_global_position_1_15(&mut self) -> &mut Self {
-        let message = |time| Wanted::new().numbers(["lat", "lon", "alt"], flight::geodetic(time));
+        let flight = self.flight;
+        let message = |time| Wanted::new().numbers(["lat", "lon", "alt"], flight.geodetic(time));
         let messages = self.positions(message);
         self.put(
             "1.15",
@@ -208,16 +237,18 @@ impl Px4<'_> {
 
     /// In degrees and metres, as since PX4 1.15.
     pub fn vehicle_gps_position(&mut self, release: &str) -> &mut Self {
+        let flight = self.flight;
         let fields = ["latitude_deg", "longitude_deg", "altitude_msl_m"];
-        let message = |time| Wanted::new().numbers(fields, flight::geodetic(time));
+        let message = |time| Wanted::new().numbers(fields, flight.geodetic(time));
         let messages = self.positions(message);
         self.put(release, "SensorGps", "vehicle_gps_position", messages)
     }
 
     /// In 1e-7 degrees and millimetres, as before.
     pub fn vehicle_gps_position_1_14(&mut self) -> &mut Self {
+        let flight = self.flight;
         let message = |time| {
-            let [latitude, longitude, altitude] = flight::geodetic(time);
+            let [latitude, longitude, altitude] = flight.geodetic(time);
             let numbers = [latitude * 1e7, longitude * 1e7, altitude * 1e3].map(f64::round);
             Wanted::new().numbers(["lat", "lon", "alt"], numbers)
         };
@@ -235,8 +266,9 @@ impl Px4<'_> {
         release: &str,
         message: &str,
         name: &str,
-        messages: Vec<(u64, Wanted)>,
+        mut messages: Vec<(u64, Wanted)>,
     ) -> &mut Self {
+        messages.sort_by_key(|(time, _)| *time);
         let schema = (self.schema)(release, message, name);
         self.log.topic(&(self.topic)(name), &schema, messages);
         self

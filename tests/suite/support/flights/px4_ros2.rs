@@ -14,6 +14,7 @@ pub fn recordings() -> Vec<Recording> {
         recording("attitude and local position", Flight::new(), |mut log| {
             log.vehicle_attitude("1.17").vehicle_local_position("1.17");
             log.gimbal("1.17", 32).vehicle_global_position("1.17");
+            log.sensor_combined("1.17");
         })
         .with_gimbal(Reference::Heading)
         .with_geodetic(float_metres),

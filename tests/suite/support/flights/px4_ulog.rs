@@ -15,6 +15,7 @@ pub fn recordings() -> Vec<Recording> {
             let mut log = converted(flight, log, |name| format!("/{name}"), python);
             log.vehicle_attitude("1.17").vehicle_local_position("1.17");
             log.gimbal("1.17", 32).vehicle_global_position("1.17");
+            log.sensor_combined("1.17");
         })
         .with_gimbal(Reference::Heading)
         .with_geodetic(FLOAT_METRES),
@@ -36,6 +37,7 @@ pub fn recordings() -> Vec<Recording> {
             let mut log = converted(flight, log, |name| format!("{name}/0"), mcap_convert);
             log.vehicle_attitude("1.17").vehicle_local_position("1.17");
             log.gimbal("1.17", 16).vehicle_gps_position("1.17");
+            log.filtered_imu("1.17");
         })
         .with_gimbal(Reference::Earth)
         .with_geodetic(1e-9),

@@ -1,6 +1,7 @@
 //! A flight as one publisher recorded it.
 
-use super::{flight::Flight, recorder::Recorder};
+use super::{flight::Flight, recorder::Recorder, simulated::Simulated};
+use crate::support::manoeuvres::Manoeuvre;
 
 /// A flight, and how it is written down.
 pub struct Recording {
@@ -98,6 +99,12 @@ impl Recording {
     pub fn flying(self, change: impl FnOnce(Flight) -> Flight) -> Self {
         let flight = change(self.flight);
         Self { flight, ..self }
+    }
+
+    /// The same recording of a simulated flight.
+    pub fn of_manoeuvre(self, manoeuvre: Manoeuvre, seconds: f64) -> Self {
+        let reference = self.gimbal.unwrap_or(Reference::Heading);
+        self.flying(|flight| flight.simulated(Simulated::new(manoeuvre, seconds, reference)))
     }
 
     /// Adds the flight to a log.

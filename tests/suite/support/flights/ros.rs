@@ -1,6 +1,6 @@
 //! ROS's common messages, in ROS 1 and ROS 2.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{
     definition::Wanted,
@@ -57,7 +57,7 @@ impl Ros<'_> {
                 Wanted::new()
                     .text("header.frame_id", frame)
                     .xyzw("pose.orientation", attitude(flight, time))
-                    .xyz("pose.position", flight::enu(flight::local(time)))
+                    .xyz("pose.position", flight::enu(flight.local(time)))
             },
         )
     }
@@ -76,18 +76,26 @@ impl Ros<'_> {
                 Wanted::new()
                     .text("header.frame_id", frame)
                     .xyzw("pose.orientation", attitude(flight, time))
-                    .numbers(position, flight::geodetic(time))
+                    .numbers(position, flight.geodetic(time))
             },
         )
     }
 
-    /// `Imu`: attitude in ENU.
+    /// `Imu`: attitude in ENU, rates and accelerations in FLU.
     pub fn imu(&mut self, topic: &str) -> &mut Self {
+        self.imu_in(topic, flight::flu)
+    }
+
+    /// `Imu`: attitude in ENU, rates and accelerations in other axes of the drone.
+    pub fn imu_in(&mut self, topic: &str, axes: fn(Vector3<f64>) -> Vector3<f64>) -> &mut Self {
         let (flight, frame) = (self.flight, self.drone_frame);
         self.topic(topic, "sensor_msgs/Imu", &flight.attitude_times, |time| {
+            let [rates, forces] = flight.felt(time).map(axes);
             Wanted::new()
                 .text("header.frame_id", frame)
                 .xyzw("orientation", attitude(flight, time))
+                .xyz("angular_velocity", rates)
+                .xyz("linear_acceleration", forces)
         })
     }
 
@@ -101,7 +109,7 @@ impl Ros<'_> {
             |time| {
                 Wanted::new()
                     .text("header.frame_id", frame)
-                    .xyz("twist.linear", flight::enu(flight::velocity(time)))
+                    .xyz("twist.linear", flight::enu(flight.velocity(time)))
             },
         )
     }
@@ -129,7 +137,7 @@ impl Ros<'_> {
                 .text("header.frame_id", frame)
                 .text("child_frame_id", child)
                 .xyzw("pose.pose.orientation", attitude(flight, time))
-                .xyz("pose.pose.position", flight::enu(flight::local(time)))
+                .xyz("pose.pose.position", flight::enu(flight.local(time)))
                 .xyz(
                     "twist.twist.linear",
                     flight::flu(flight.body_velocity(time)),
@@ -145,7 +153,7 @@ impl Ros<'_> {
             topic,
             "sensor_msgs/NavSatFix",
             &flight.position_times,
-            |time| Wanted::new().numbers(fields, flight::geodetic(time)),
+            |time| Wanted::new().numbers(fields, flight.geodetic(time)),
         )
     }
 }
