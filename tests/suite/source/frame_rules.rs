@@ -18,7 +18,7 @@ use crate::support::{folder::*, selecting::request, topics::*};
 fn read(topics: &[Topic], request: &Request) -> (Source, Tallies) {
     let folder = Folder::with(LOG, log(topics));
     let log = Log::open(&folder.path(LOG)).expect("a log");
-    let source = Source::select(&log, request).expect("telemetry");
+    let source = Source::select_for_check(&log, request).expect("telemetry");
     let reader = Reader::new(&log, source).expect("a log");
     let read = reader
         .for_each(|_| Ok::<_, ReadError>(()))
@@ -409,8 +409,30 @@ fn a_sign_that_a_value_is_not_valid_is_heeded_for_every_type_that_has_one() {
     };
     let degrees = || globe(["latitude_deg", "longitude_deg", "altitude_msl_m"]);
     let short = || globe(["lat", "lon", "alt"]);
+    let inertial = |role: &str, vector: &str, unit: &str, kind| {
+        let fields = format!("vector = \"{vector}\"\nframe = \"flu\"\nunit = \"{unit}\"");
+        (in_ned(role, &fields), kind)
+    };
+    let rate = || {
+        inertial(
+            "angular_rate",
+            "angular_velocity",
+            "rad/s",
+            Kind::AngularRate,
+        )
+    };
+    let force = || {
+        inertial(
+            "acceleration",
+            "linear_acceleration",
+            "m/s2",
+            Kind::Acceleration,
+        )
+    };
     let invalid = DropReason::MarkedInvalid;
     let numbers = json!({
+        "angular_velocity": { "x": 0, "y": 0, "z": 1 }, "angular_velocity_covariance": [0, 0, 0],
+        "linear_acceleration": { "x": 0, "y": 0, "z": 9.8 }, "linear_acceleration_covariance": [0, 0, 0],
         "vx": 1, "vy": 0, "vz": 0, "x": 1, "y": 2, "z": 3, "vel_n_m_s": 1, "vel_e_m_s": 0, "vel_d_m_s": 0,
         "latitude": 47, "longitude": 8, "altitude": 500, "latitude_deg": 47, "longitude_deg": 8,
         "altitude_msl_m": 500, "lat": 47, "lon": 8, "alt": 500, "velocity": [1, 0, 0],
@@ -428,6 +450,20 @@ fn a_sign_that_a_value_is_not_valid_is_heeded_for_every_type_that_has_one() {
             globe(["latitude", "longitude", "altitude"]),
             "status.status",
             json!(-1),
+            invalid,
+        ),
+        (
+            "sensor_msgs/msg/Imu",
+            rate(),
+            "angular_velocity_covariance",
+            json!([-1, 0, 0]),
+            invalid,
+        ),
+        (
+            "sensor_msgs/Imu",
+            force(),
+            "linear_acceleration_covariance",
+            json!([-1, 0, 0]),
             invalid,
         ),
         (local, vxyz(), "v_xy_valid", json!(false), invalid),
