@@ -34,7 +34,6 @@ pub mod verdict;
 mod alternatives;
 mod claims;
 mod displacement;
-mod geodesy;
 mod gimbal;
 mod gravity;
 mod inertia;

@@ -5,8 +5,11 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::{geodesy::LocalPlane, jumps::Jumps, times::Times, track::Timed};
-use crate::sample::{GimbalReference, Kind, Position, Sample, Velocity};
+use super::{jumps::Jumps, times::Times, track::Timed};
+use crate::{
+    geometry::geodetic::Geodetic,
+    sample::{GimbalReference, Kind, Position, Sample, Velocity},
+};
 
 /// How long a stretch is, in nanoseconds.
 const STRETCH: u64 = 20_000_000_000;
@@ -51,7 +54,8 @@ pub struct Recorder {
     pub(super) gimbals: Thinned<ReadGimbal>,
     pub(super) rates: Averaged,
     pub(super) accelerations: Averaged,
-    plane: Option<LocalPlane>,
+    /// The first position on the globe.
+    origin: Option<Geodetic>,
     pub(super) turns: Jumps<4>,
     pub(super) gimbal_turns: Jumps<4>,
     pub(super) speeds: Jumps<3>,
@@ -178,10 +182,15 @@ impl Recorder {
                 longitude,
                 altitude,
             } => {
-                let place = [latitude, longitude, altitude];
-                let plane = self.plane.get_or_insert_with(|| LocalPlane::at(place));
+                // Also what is no place, as in a wrong unit: it contradicts the velocity.
+                let place = Geodetic {
+                    latitude: latitude.to_radians(),
+                    longitude: longitude.to_radians(),
+                    altitude,
+                };
+                let origin = self.origin.get_or_insert(place);
                 ReadPosition {
-                    metres: plane.metres(place),
+                    metres: origin.in_ned(origin.change_to(&place)),
                     is_geodetic: true,
                 }
             }

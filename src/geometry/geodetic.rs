@@ -41,12 +41,13 @@ impl Geodetic {
         )
     }
 
-    /// The velocity north, east and down, m/s, of something that is here while its coordinates change at these rates, per
-    /// second.
+    /// What a change of these coordinates is north, east and down, in metres; rates per second are a velocity in m/s. It
+    /// is that of the plane which touches the ellipsoid here: within ten kilometres, lengths are right to a part in a
+    /// thousand.
     ///
     /// Source: P. D. Groves, *Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems*, 2nd ed.
     /// (2013), equations 2.105, 2.106 (the radii of curvature) and 2.111.
-    pub fn velocity_ned(&self, rates: Vector3<f64>) -> Vector3<f64> {
+    pub fn in_ned(&self, change: Vector3<f64>) -> Vector3<f64> {
         let (sin, cos) = self.latitude.sin_cos();
         let eccentricity_squared = FLATTENING * (2.0 - FLATTENING);
         let q = 1.0 - eccentricity_squared * sin * sin;
@@ -54,9 +55,9 @@ impl Geodetic {
         let transverse = SEMI_MAJOR_AXIS / q.sqrt();
         let meridian = transverse * (1.0 - eccentricity_squared) / q;
         Vector3::new(
-            rates.x * (meridian + self.altitude),
-            rates.y * (transverse + self.altitude) * cos,
-            -rates.z,
+            change.x * (meridian + self.altitude),
+            change.y * (transverse + self.altitude) * cos,
+            -change.z,
         )
     }
 }

@@ -59,7 +59,7 @@ impl Place {
     /// The velocity north, east, down, of something that is here while its coordinates change at these rates.
     fn velocity(&self, rates: Vector3<f64>) -> Vector3<f64> {
         match self {
-            Self::Geodetic(here) => here.velocity_ned(rates),
+            Self::Geodetic(here) => here.in_ned(rates),
             Self::Local(_) => rates,
         }
     }
