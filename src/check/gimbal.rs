@@ -44,7 +44,7 @@ pub struct Moments {
 /// What the motion of a gimbal shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shown {
-    /// That the drone moved too little; its motion in radians.
+    /// That the drone moved too little.
     TooLittle,
     /// The reading as it is makes the camera steady, as no other does.
     Fits,

@@ -16,7 +16,7 @@ use super::{
     inertia::Inertia,
     lean::Lean,
     oddity::ON_ITS_SIDE,
-    reading::VectorReading,
+    reading::{Reread, VectorReading},
     recorder::Recorder,
     residual::{Decision, Judged, Pair, Part},
     track::Timed,
@@ -197,15 +197,8 @@ impl<'a> Flight<'a> {
             CHANGE[0],
             self.other_accelerations(acceleration),
             |change, late_by| {
-                let pairs = match change {
-                    Change::None => inertia.pairs(&velocity, &acceleration, None, late_by),
-                    Change::Attitude(attitude) => {
-                        inertia.pairs(&velocity, &acceleration, Some(attitude), late_by)
-                    }
-                    Change::Vector(acceleration) => {
-                        inertia.pairs(&velocity, acceleration, None, late_by)
-                    }
-                };
+                let (acceleration, attitude) = change.of(&acceleration);
+                let pairs = inertia.pairs(&velocity, acceleration, attitude, late_by);
                 // What the velocity does is what the attitude must explain.
                 let pairs = pairs.into_iter();
                 pairs.map(|pair| pair.map(Pair::swapped)).collect()
@@ -239,10 +232,9 @@ impl<'a> Flight<'a> {
             Witness::Lean,
             LEAN,
             others.collect(),
-            |change, late_by| match change {
-                Change::None => lean.pairs(&velocity, None, late_by),
-                Change::Attitude(attitude) => lean.pairs(&velocity, Some(attitude), late_by),
-                Change::Vector(velocity) => lean.pairs(velocity, None, late_by),
+            |change, late_by| {
+                let (velocity, attitude) = change.of(&velocity);
+                lean.pairs(velocity, attitude, late_by)
             },
         )
     }
@@ -259,10 +251,9 @@ impl<'a> Flight<'a> {
             Witness::AngularRates,
             TURN,
             self.other_rates(rate),
-            |change, _| match change {
-                Change::None => turning.pairs(&rate, None),
-                Change::Attitude(attitude) => turning.pairs(&rate, Some(attitude)),
-                Change::Vector(rate) => turning.pairs(rate, None),
+            |change, _| {
+                let (rate, attitude) = change.of(&rate);
+                turning.pairs(rate, attitude)
             },
         )
     }
@@ -279,10 +270,9 @@ impl<'a> Flight<'a> {
             Witness::Gravity,
             GRAVITY,
             self.other_accelerations(acceleration),
-            |change, _| match change {
-                Change::None => gravity.pairs(&acceleration, None),
-                Change::Attitude(attitude) => gravity.pairs(&acceleration, Some(attitude)),
-                Change::Vector(acceleration) => gravity.pairs(acceleration, None),
+            |change, _| {
+                let (acceleration, attitude) = change.of(&acceleration);
+                gravity.pairs(acceleration, attitude)
             },
         )
     }
@@ -292,8 +282,19 @@ impl<'a> Flight<'a> {
 #[derive(Clone, Copy)]
 enum Change<'a> {
     None,
-    Attitude(&'a super::reading::Reread),
+    Attitude(&'a Reread),
     Vector(&'a VectorReading),
+}
+
+impl<'a> Change<'a> {
+    /// How the vector that was claimed to be read so is read now, and the attitude, if it is read in another way.
+    fn of(self, claimed: &'a VectorReading) -> (&'a VectorReading, Option<&'a Reread>) {
+        match self {
+            Self::None => (claimed, None),
+            Self::Attitude(attitude) => (claimed, Some(attitude)),
+            Self::Vector(vector) => (vector, None),
+        }
+    }
 }
 
 fn numbers(

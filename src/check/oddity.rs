@@ -130,9 +130,7 @@ impl Recorder {
         }))?;
         (share >= NEARLY_ALL).then_some(Oddity::GimbalUp { share })
     }
-}
 
-impl Recorder {
     /// Whether the gimbal holds the camera elsewhere than at an angle below the horizon, in radians.
     fn not_at(&self, depression: f64) -> Option<Oddity> {
         let angles = self.gimbals.samples.iter().filter_map(|sample| {

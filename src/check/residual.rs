@@ -113,8 +113,8 @@ impl Part {
     }
 
     /// Selects the windows that are judged: in each group those that move most. Only groups that move enough are judged.
-    pub fn select(self, pairs: impl IntoIterator<Item = Pair>) -> Judged {
-        let pairs = pairs.into_iter().map(|pair| Pair {
+    pub fn select(self, windows: impl IntoIterator<Item = Option<Pair>>) -> Judged {
+        let pairs = windows.into_iter().flatten().map(|pair| Pair {
             witness: self.of(pair.witness),
             account: self.of(pair.account),
         });

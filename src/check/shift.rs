@@ -40,7 +40,7 @@ pub fn measure(
     systematic: f64,
     pairs: impl Fn(f64) -> Vec<Option<Pair>>,
 ) -> Option<Shift> {
-    let residual = |late_by: f64| part.select(pairs(late_by).into_iter().flatten()).residual();
+    let residual = |late_by: f64| part.select(pairs(late_by)).residual();
     let steps = (FARTHEST / COARSE).round() as i32;
     let shifts = (-steps..=steps).map(|place| f64::from(place) * COARSE);
     let known = shifts.map(|shift| (shift, residual(shift)));
@@ -162,7 +162,7 @@ fn solve(equations: &[Equation]) -> Option<Solved> {
         let mut bounded = normal;
         for place in 0..5 {
             // Whatever no error depends on stays zero.
-            bounded[(place, place)] += variance / KNOWN[place].powi(2) + f64::MIN_POSITIVE + 1e-9;
+            bounded[(place, place)] += variance / KNOWN[place].powi(2) + 1e-9;
         }
         let inverse = bounded.try_inverse()?;
         let unknowns = inverse * right;

@@ -63,9 +63,7 @@ impl Flight<'_> {
             _ => &SMALL_SHIFTS[..1],
         };
         let best = |change: Change, shifts: &[f64]| {
-            best_of(shifts, |shift| {
-                part.select(pairs(change, shift).into_iter().flatten())
-            })
+            best_of(shifts, |shift| part.select(pairs(change, shift)))
         };
         let mut judged = best(Change::None, shifts);
         let mut verdict = open(subject, witness, &judged, part);
@@ -73,8 +71,8 @@ impl Flight<'_> {
         if is_still {
             // An attitude in the wrong unit does not move, although the drone does.
             judged = best_of(shifts, |shift| {
-                let pairs = pairs(Change::None, shift).into_iter().flatten();
-                part.select(pairs.map(Pair::swapped))
+                let pairs = pairs(Change::None, shift).into_iter();
+                part.select(pairs.map(|pair| pair.map(Pair::swapped)))
             });
             if !judged.moves() {
                 return Some(verdict);
@@ -89,7 +87,7 @@ impl Flight<'_> {
         let leans_alike = |change: Change| {
             let others = pairs(change, 0.0);
             let both = own_pairs.iter().zip(&others);
-            let both = both.filter_map(|(own, other)| Some(own.as_ref()?.less(other.as_ref()?)));
+            let both = both.map(|(own, other)| Some(own.as_ref()?.less(other.as_ref()?)));
             witness == Witness::Lean && part.select(both).residual() < ALIKE
         };
         let residual_of = |reading: &Reading, shifts: &[f64]| {

@@ -29,7 +29,7 @@ impl Flight<'_> {
             let moved = Displacement::new(positions, &self.velocities, attitudes);
             DISPLACEMENT.map(|part| {
                 let judged = best_of(&SMALL_SHIFTS, |shift| {
-                    part.select(moved.pairs(&velocity, shift).into_iter().flatten())
+                    part.select(moved.pairs(&velocity, shift))
                 });
                 judged.moves().then(|| Residual::from(&judged))
             })

@@ -41,8 +41,7 @@ impl Flight<'_> {
         if of_axes.iter().any(Verdict::does_not_fit) {
             return None;
         }
-        let at =
-            |part: &Part, late_by: f64| part.select(pairs(&claimed, late_by).into_iter().flatten());
+        let at = |part: &Part, late_by: f64| part.select(pairs(&claimed, late_by));
         let part = parts.into_iter().find(|part| at(part, 0.0).moves())?;
         let systematic = match witness {
             Witness::Inertia => INERTIAL_ERROR,
@@ -108,8 +107,8 @@ impl Flight<'_> {
     ) -> bool {
         let lag = self.readings.lag_s;
         let allowed = [-lag, -lag / 2.0, 0.0, lag / 2.0, lag].map(|late_by| {
-            let pairs = pairs(&claimed, late_by).into_iter().flatten();
-            part.select(turned_back(pairs.collect())).residual()
+            part.select(turned_back(pairs(&claimed, late_by)))
+                .residual()
         });
         let best = allowed.into_iter().fold(f64::INFINITY, f64::min);
         shifted.residual() < FITS / 2.0 && is_worse(best, shifted.residual())
@@ -130,15 +129,15 @@ impl Flight<'_> {
 }
 
 /// The same, with the accounts turned about the vertical as fits best, but by no more than a compass may be wrong.
-fn turned_back(mut pairs: Vec<Pair>) -> Vec<Pair> {
+fn turned_back(mut pairs: Vec<Option<Pair>>) -> Vec<Option<Pair>> {
     let (mut along, mut across) = (0.0, 0.0);
-    for Pair { witness, account } in &pairs {
+    for Pair { witness, account } in pairs.iter().flatten() {
         along += witness.xy().dot(&account.xy());
         across += account.xy().perp(&witness.xy());
     }
     let angle = f64::atan2(across, along).clamp(-COMPASS_ERROR, COMPASS_ERROR);
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
-    for pair in &mut pairs {
+    for pair in pairs.iter_mut().flatten() {
         pair.account = turn * pair.account;
     }
     pairs

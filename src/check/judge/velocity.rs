@@ -81,9 +81,7 @@ impl Flight<'_> {
 }
 
 fn best(part: Part, reading: &VectorReading, shifts: &[f64], pairs: Pairs) -> Judged {
-    best_of(shifts, |shift| {
-        part.select(pairs(reading, shift).into_iter().flatten())
-    })
+    best_of(shifts, |shift| part.select(pairs(reading, shift)))
 }
 
 /// The readings in the order of their residuals.
