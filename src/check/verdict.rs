@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::{
     oddity::Oddity,
     reading::{AttitudeReading, VectorReading},
+    residual::is_worse,
 };
 use crate::sample::GimbalReference;
 
@@ -103,6 +104,17 @@ pub struct Candidate {
     pub reading: Reading,
     /// The residual as a share of the motion: 0 fits exactly, from 1 on it explains nothing.
     pub residual: f64,
+}
+
+impl Candidate {
+    /// Whether one of the two fits so much better that it can be told from the other.
+    pub fn is_told_from(&self, other: &Self) -> bool {
+        let (best, worst) = match self.residual < other.residual {
+            true => (self, other),
+            false => (other, self),
+        };
+        is_worse(worst.residual, best.residual)
+    }
 }
 
 /// The verdict on a reading.
@@ -226,6 +238,19 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// The readings that fit, the likeliest first: the explanations or, if there are none, the order of numbers in which a
+    /// quaternion's scalar part is where it belongs.
+    pub fn fitting(&self) -> Vec<Vec<Reading>> {
+        let elsewhere = self.oddities.iter().find_map(|oddity| match oddity {
+            Oddity::ScalarElsewhere { fits, .. } => Some(vec![Reading::Attitude(*fits)]),
+            _ => None,
+        });
+        match self.explanations.is_empty() {
+            true => elsewhere.into_iter().collect(),
+            false => self.explanations.clone(),
+        }
+    }
+
     /// Whether something is certainly wrong.
     pub fn is_contradicted(&self) -> bool {
         self.verdicts.iter().any(Verdict::is_contradicted)

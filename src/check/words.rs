@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::{
+    jumps::ToAndFro,
     oddity::Oddity,
     reading::{AttitudeReading, Form, VectorReading},
     verdict::{Findings, Reading, Subject, Verdict, Witness},
@@ -40,10 +41,7 @@ impl fmt::Display for Oddity {
                 )
             }
             Self::ToAndFro { of, jumps } => {
-                let largest = match of {
-                    Kind::Velocity => format!("{:.1} m/s", jumps.largest),
-                    _ => format!("{:.0}°", jumps.largest.to_degrees()),
-                };
+                let largest = jumps.largest_of(*of);
                 write!(
                     f,
                     "the {} jumps to and fro by up to {largest}, {} times in {} steps, as where several sources write to one \
@@ -79,6 +77,16 @@ impl fmt::Display for Oddity {
                     share * 100.0
                 )
             }
+        }
+    }
+}
+
+impl ToAndFro {
+    /// The largest jump of a series of samples of this kind, with its unit.
+    pub fn largest_of(&self, kind: Kind) -> String {
+        match kind {
+            Kind::Velocity => format!("{:.1} m/s", self.largest),
+            _ => format!("{:.0}°", self.largest.to_degrees()),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod advice;
 mod angles;
+pub mod as_argument;
 mod camera;
 pub mod checked;
 mod frames;

@@ -1,15 +1,15 @@
 //! What a check found, in words.
 
-use flightcam::{
-    check::{
-        Oddity, Verdict,
-        reading::{AttitudeReading, Form},
-        verdict::{Candidate, Motion, Outcome, Reading, Shift, Subject, Undecided, Witness},
-    },
-    sample::{GimbalReference, Kind},
+use flightcam::check::{
+    Oddity, Verdict,
+    reading::{AttitudeReading, Form},
+    verdict::{Candidate, Motion, Outcome, Reading, Shift, Subject, Undecided, Witness},
 };
 
-use super::plural;
+use super::{
+    plural,
+    sample::{self, name},
+};
 
 /// What verdicts are about, in the order in which they are printed.
 pub const SUBJECTS: [(&str, &[Subject]); 5] = [
@@ -40,8 +40,9 @@ pub fn outcome(outcome: &Outcome) -> (u8, &'static str) {
 /// By what something is judged, and the evidence.
 pub fn evidence(verdict: &Verdict) -> String {
     let found = match &verdict.outcome {
-        Outcome::Proven | Outcome::Consistent => residuals(&verdict.candidates),
-        Outcome::Contradicted { .. } => residuals(&verdict.candidates),
+        Outcome::Proven | Outcome::Consistent | Outcome::Contradicted { .. } => {
+            residuals(&verdict.candidates)
+        }
         Outcome::Undecidable { why } => undecided(why, verdict),
     };
     let found = match verdict.shift {
@@ -90,14 +91,7 @@ fn residuals(candidates: &[Candidate]) -> String {
         reading(&claimed.reading),
         share(claimed.residual)
     );
-    let is_told_apart = |other: &&Candidate| {
-        let (worse, better) = match other.residual > claimed.residual {
-            true => (other.residual, claimed.residual),
-            false => (claimed.residual, other.residual),
-        };
-        worse > 1.5 * better + 0.05
-    };
-    match others.iter().find(is_told_apart) {
+    match others.iter().find(|other| other.is_told_from(claimed)) {
         Some(other) => {
             let other = format!("{} by {}", reading(&other.reading), share(other.residual));
             format!("{own} of the motion, {other}")
@@ -172,10 +166,12 @@ pub fn reading(of: &Reading) -> String {
         }
         Reading::Attitude(attitude) => attitude_reading(attitude),
         Reading::Gimbal { reference, flipped } => {
-            let from = reference_name(*reference);
+            let from = sample::reference(*reference);
             match flipped {
-                true => format!("measured from {from} with pitch and yaw of the opposite signs"),
-                false => format!("measured from {from}"),
+                true => {
+                    format!("measured from the {from} with pitch and yaw of the opposite signs")
+                }
+                false => format!("measured from the {from}"),
             }
         }
         Reading::ShiftedVelocity { late_by_s } => {
@@ -228,14 +224,6 @@ fn attitude_reading(attitude: &AttitudeReading) -> String {
     text
 }
 
-fn reference_name(reference: GimbalReference) -> &'static str {
-    match reference {
-        GimbalReference::Earth => "the horizon and north",
-        GimbalReference::Heading => "the horizon and the drone's heading",
-        GimbalReference::Airframe => "the airframe",
-    }
-}
-
 /// What a series shows by itself.
 pub fn oddity(oddity: &Oddity) -> String {
     let percent = |share: &f64| format!("{:.0} %", share * 100.0);
@@ -246,10 +234,7 @@ pub fn oddity(oddity: &Oddity) -> String {
             name(*of)
         ),
         Oddity::ToAndFro { of, jumps } => {
-            let largest = match of {
-                Kind::Velocity => format!("{:.1} m/s", jumps.largest),
-                _ => format!("{:.0}°", jumps.largest.to_degrees()),
-            };
+            let largest = jumps.largest_of(*of);
             format!(
                 "the {} jumps to and fro by up to {largest}, {} of {} times: several sources write to its topic",
                 name(*of),
@@ -276,9 +261,4 @@ pub fn oddity(oddity: &Oddity) -> String {
         }
         other => format!("{other:?}"),
     }
-}
-
-/// The name of a kind of sample in a sentence.
-pub fn name(kind: Kind) -> String {
-    kind.name().replace('_', " ")
 }

@@ -5,11 +5,25 @@ use flightcam::{
     sample::{GimbalReference, Kind},
 };
 
+/// The name of a kind of sample in a sentence.
+pub fn name(kind: Kind) -> String {
+    kind.name().replace('_', " ")
+}
+
 /// A kind of sample as the label of a line.
 pub fn label(kind: Kind) -> String {
-    let name = kind.name().replace('_', " ");
+    let name = name(kind);
     let (initial, rest) = name.split_at(1);
     initial.to_uppercase() + rest
+}
+
+/// What a gimbal's angles are measured from.
+pub fn reference(reference: GimbalReference) -> &'static str {
+    match reference {
+        GimbalReference::Earth => "horizon and north",
+        GimbalReference::Heading => "horizon and the drone's heading",
+        GimbalReference::Airframe => "airframe",
+    }
 }
 
 pub fn first_sample(sample: &FirstSample) -> String {
@@ -26,12 +40,7 @@ pub fn first_sample(sample: &FirstSample) -> String {
             reference,
         } => {
             let angles = angles(roll_deg, pitch_deg, yaw_deg);
-            let reference = match reference {
-                GimbalReference::Earth => "horizon and north",
-                GimbalReference::Heading => "horizon and the drone's heading",
-                GimbalReference::Airframe => "airframe",
-            };
-            format!("{angles} from the {reference}")
+            format!("{angles} from the {}", self::reference(reference))
         }
         FirstSample::VelocityNed { north, east, down } => {
             format!("north {north:.2}, east {east:.2}, down {down:.2} m/s")
