@@ -25,7 +25,7 @@ use std::{ops::ControlFlow, thread};
 use crate::{
     derived::{Derived, Quantity},
     error::Error,
-    log::{Access, Log, file::LogFile, stream::Named},
+    log::{Log, file::LogFile, stream::Named},
     options::Options,
     report::{Derivation, DeriveReport, Findings, Report},
     run::{Input, Left, Output, Run, RunError, Stopped},
@@ -156,14 +156,7 @@ pub fn derive<'a>(
     let input = input.into();
     let run = Run::new(&options.watch, input.name().into(), Left::Nothing);
     run.run_watched(|| {
-        let log = match input {
-            Input::Stream { name, stream } => stream::telemetry(
-                Named::new(&name, stream),
-                StreamFilter::new(&options.telemetry),
-                &run,
-            )?,
-            input => Log::read(input.open(Access::Read, &options.watch)?)?,
-        };
+        let log = stream::telemetry(input, StreamFilter::new, options, &run)?;
         let Plan { source, camera, .. } = Plan::new(&log, options)?;
         thread::scope(|scope| {
             let _at_end = run.cancel_at_end();

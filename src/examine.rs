@@ -10,7 +10,7 @@ use crate::{
     enrich::{claims::claims, stream},
     error::Error,
     inspect::Problem,
-    log::{Access, Log, stream::Named},
+    log::Log,
     options::Options,
     reader::Reader,
     report::{Note, ProfileReport, SampleReport},
@@ -61,13 +61,7 @@ pub fn check<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Check
     let input = input.into();
     let run = Run::new(&options.watch, input.name().into(), Left::Nothing);
     run.run_watched(|| {
-        let log = match input {
-            Input::Stream { name, stream } => {
-                let filter = StreamFilter::for_check(&options.telemetry);
-                stream::telemetry(Named::new(&name, stream), filter, &run)?
-            }
-            input => Log::read(input.open(Access::Read, &options.watch)?)?,
-        };
+        let log = stream::telemetry(input, StreamFilter::for_check, options, &run)?;
         examine(&log, options, &run)
     })
 }

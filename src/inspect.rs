@@ -198,7 +198,7 @@ impl FoundRole {
         let [start, end] = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0));
         let seconds = (end - start) as f64 / 1e9;
         let gaps = times.windows(2).map(|pair| pair[1] - pair[0]);
-        let read = tally.total() + tally.unselected;
+        let read = tally.total_with_unselected();
         Self {
             topic: role.topic.clone(),
             fields: role.fields.clone(),

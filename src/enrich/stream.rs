@@ -10,13 +10,13 @@ use super::{held_back::pass_on_end, plan::Plan, target::Target, write};
 use crate::{
     error::Error,
     log::{
-        Log,
+        Access, Log,
         stream::{Named, pass_through},
     },
     options::Options,
     report::Report,
-    run::{Output, Run, RunError, Stopped},
-    source::stream_filter::StreamFilter,
+    run::{Input, Output, Run, RunError, Stopped},
+    source::{request::Request, stream_filter::StreamFilter},
     writer::{
         Layout,
         destination::Destination,
@@ -105,14 +105,22 @@ fn enrich_onward(
     })
 }
 
-/// Reads a log from a pipe to its end and returns what the filter includes as a log of its own.
+/// Opens a log of which only the telemetry is read. One that comes through a pipe is read to its end, and what the filter
+/// for the request includes is a log of its own.
 pub fn telemetry(
-    input: Named<Box<dyn Read + '_>>,
-    filter: StreamFilter,
+    input: Input,
+    filter: fn(&Request) -> StreamFilter,
+    options: &Options,
     run: &Run,
 ) -> Result<Log, Stopped> {
-    let name = input.name;
-    Ok(pass_on(input, name, io::sink(), filter, run)?.telemetry)
+    match input {
+        Input::Stream { name, stream } => {
+            let input = Named::new(&name, stream);
+            let filter = filter(&options.telemetry);
+            Ok(pass_on(input, &name, io::sink(), filter, run)?.telemetry)
+        }
+        input => Ok(Log::read(input.open(Access::Read, &options.watch)?)?),
+    }
 }
 
 fn pass_on(

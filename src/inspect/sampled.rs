@@ -69,6 +69,7 @@ impl Sampled {
         }
         Ok(sampled)
     }
+
     /// Where the time of the telemetry goes back, as far as that is known.
     pub fn clock_steps(&self, log: &Log, source: &Source) -> Result<Vec<ClockStep>, Error> {
         let epochs = match &self.times {

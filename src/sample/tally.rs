@@ -202,6 +202,11 @@ impl Tally {
     pub fn total(&self) -> u64 {
         self.used + self.dropped.values().sum::<u64>()
     }
+
+    /// All readings, and the messages of other sources.
+    pub fn total_with_unselected(&self) -> u64 {
+        self.total() + self.unselected
+    }
 }
 
 /// A tally for each kind of sample.

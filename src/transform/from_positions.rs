@@ -9,17 +9,13 @@
 
 use nalgebra::Vector3;
 
-use super::MaxGap;
+use super::{MaxGap, motion::BURST, orientation::is_same_origin};
 use crate::{
     geometry::geodetic::Geodetic,
     sample::{
         DropReason, Position, PositionSample, Sample, Stamp, Tally, Velocity, VelocitySample,
     },
 };
-
-/// Positions that are closer in time than this were written in a burst, and their times say little, nanoseconds. A
-/// difference over so short a time would be mostly noise.
-const BURST: u64 = 1_000_000;
 
 /// A place from which differences are taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,8 +80,7 @@ impl Point {
     /// The slope up to a later one, if the two belong together.
     fn slope_to(&self, later: &Self, max_gap: MaxGap) -> Option<Slope> {
         let (from, to) = (self.stamp.log_time, later.stamp.log_time);
-        let is_reset = self.resets.zip(later.resets).is_some_and(|(a, b)| a != b);
-        if is_reset || !max_gap.spans(from, to) {
+        if !is_same_origin(self.resets, later.resets) || !max_gap.spans(from, to) {
             return None;
         }
         let seconds = (to - from) as f64 / 1e9;
@@ -184,6 +179,7 @@ impl FromPositions {
             if last.place == place && last.resets == resets {
                 return Err(DropReason::RepeatedPosition);
             }
+            // A difference over so short a time would be mostly noise.
             if stamp.log_time - last.stamp.log_time < BURST {
                 return Err(DropReason::InBurst);
             }

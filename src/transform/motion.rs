@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Samples that are closer than this, in nanoseconds, are a burst: clocks and buffers, not the drone, decide what lies
 /// between them, and a rotation is noise over nothing. Autopilots estimate at 1 kHz at most.
-const BURST: u64 = 1_000_000;
+pub(super) const BURST: u64 = 1_000_000;
 
 /// How fast an airframe turns at most, rad/s: 2000 °/s, which is where the gyroscopes of autopilots end.
 const FASTEST_TURN: f64 = 34.9;

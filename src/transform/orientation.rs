@@ -26,8 +26,13 @@ pub(super) struct Gimbal {
 impl Attitude {
     /// Whether the estimator was not reset between the two, as far as the log says.
     pub(super) fn has_same_origin(&self, other: &Self) -> bool {
-        self.resets.zip(other.resets).is_none_or(|(a, b)| a == b)
+        is_same_origin(self.resets, other.resets)
     }
+}
+
+/// Whether an estimator was not reset between two counts of its resets, as far as these are known.
+pub(super) fn is_same_origin(a: Option<u64>, b: Option<u64>) -> bool {
+    a.zip(b).is_none_or(|(a, b)| a == b)
 }
 
 impl From<&AttitudeSample> for Attitude {

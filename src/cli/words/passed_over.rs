@@ -36,7 +36,7 @@ fn name(place: &SeenPlace, other: &SeenPlace) -> String {
 fn why(place: &SeenPlace, instead: &SeenPlace) -> String {
     let messages = plural(place.messages, "message");
     let looked_at = &place.looked_at;
-    let (usable, read) = (looked_at.used, looked_at.total() + looked_at.unselected);
+    let (usable, read) = (looked_at.used, looked_at.total_with_unselected());
     if usable == read {
         let more = HumanCount(instead.messages);
         return format!("that has {messages}, and the other {more}");

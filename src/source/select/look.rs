@@ -62,7 +62,7 @@ impl Look {
         };
         let middle: Vec<&Part> = parts.get(parts.len() / 2).into_iter().collect();
         let mut tally = look(&middle, FEW)?;
-        if 2 * tally.used < read(&tally).max(1) {
+        if 2 * tally.used < tally.total_with_unselected().max(1) {
             tally = look(&spread(&parts), MOST)?;
         }
         Ok(Self { messages, tally })
@@ -70,16 +70,11 @@ impl Look {
 
     /// How many of the messages are usable, if all are like those that were looked at.
     pub fn usable(&self) -> f64 {
-        match read(&self.tally) {
+        match self.tally.total_with_unselected() {
             0 => 0.0,
             read => self.messages as f64 * (self.tally.used as f64 / read as f64),
         }
     }
-}
-
-/// How many messages were looked at.
-fn read(tally: &Tally) -> u64 {
-    tally.total() + tally.unselected
 }
 
 /// A segment with messages to look at.
