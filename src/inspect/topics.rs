@@ -47,7 +47,7 @@ pub struct ListedTopic {
 pub fn topics<'a>(input: impl Into<Input<'a>>, watch: &Watch) -> Result<TopicList, Error> {
     let log = Log::read(input.into().open(Access::Read, watch)?)?;
     let ids = (log.contents.channels_with_messages()).map(|(channel, _)| channel.id);
-    let ends = log.message_time_ends(&ids.collect())?;
+    let ends = log.message_time_ends(&ids.collect(), [0, u64::MAX])?;
     log.file.grown_by()?;
     let mut listed: BTreeMap<[Foreign; 3], (u64, Option<[u64; 2]>)> = BTreeMap::new();
     for (channel, count) in log.contents.channels_with_messages() {

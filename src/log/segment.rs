@@ -17,7 +17,7 @@ use super::{
 
 /// Reads the messages of one segment after the other, reusing its buffers.
 pub struct SegmentReader<'a> {
-    file: &'a LogFile,
+    pub(super) file: &'a LogFile,
     loose: Vec<u8>,
     chunks: ChunkReader,
     partial: PartialChunkReader,

@@ -52,6 +52,77 @@ proptest! {
     }
 }
 
+/// The times of the earliest and the latest message of each channel, of those within a range.
+fn ends_of(log: &[u8], channel_ids: &[u16], within: [u64; 2]) -> Result<Ends, ReadError> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let input = folder.path().join("log.mcap");
+    fs::write(&input, log).expect("the log is written");
+    let channel_ids = BTreeSet::from_iter(channel_ids.iter().copied());
+    Log::open(&input)?.message_time_ends(&channel_ids, within)
+}
+
+type Ends = BTreeMap<u16, [u64; 2]>;
+
+/// The same from the times of all messages.
+fn ends(times: &Times, [from, to]: [u64; 2]) -> Ends {
+    let ends = times.iter().filter_map(|(id, times)| {
+        let within = times.iter().filter(|time| (from..=to).contains(time));
+        let (first, last) = (within.clone().min()?, within.max()?);
+        Some((*id, [*first, *last]))
+    });
+    ends.collect()
+}
+
+proptest! {
+    #![proptest_config(crate::support::cases(64))]
+
+    #[test]
+    fn the_ends_are_those_of_all_messages_whatever_the_shape(
+        shape in any_shape(), from in 0..250u64, count in 0..250u64, whole: bool,
+    ) {
+        let log = shape.write();
+        let within = match whole {
+            true => [0, u64::MAX],
+            false => [from, from + count].map(|n| 1_000_000_000 + n * 20_000_000 - 7),
+        };
+        let found = ends_of(&log, &shape.channel_ids, within).expect("a readable log");
+        prop_assert_eq!(found, ends(&counted(&log, shape.channel_ids), within));
+    }
+}
+
+#[test]
+fn only_chunks_that_may_have_an_end_are_opened_for_it() {
+    let shape = Shape::default();
+    let whole = [0, u64::MAX];
+    let expected = ends(&counted(&shape.write(), [1, 2]), whole);
+    // No index of the telemetry is believed, so the chunks are needed.
+    let spoilt = |damaged: fn(usize, usize) -> bool| {
+        let mut parts = with_indexes(&shape, |body, _| body[2..6].fill(0xff));
+        let chunks = parts
+            .data
+            .iter_mut()
+            .filter(|(opcode, _)| *opcode == op::CHUNK);
+        let chunks: Vec<_> = chunks.collect();
+        let last = chunks.len() - 1;
+        assert!(last > 2);
+        for (number, (_, body)) in chunks.into_iter().enumerate() {
+            if damaged(number, last) {
+                body[8 + 8..].fill(0xc5);
+            }
+        }
+        ends_of(&parts.join(), &[1, 2], whole)
+    };
+    let between = spoilt(|number, last| 0 < number && number < last);
+    assert_eq!(between.expect("the chunks at the ends"), expected);
+    for error in [
+        spoilt(|number, _| number == 0),
+        spoilt(|number, last| number == last),
+    ] {
+        let error = error.expect_err("a chunk at an end is needed");
+        assert!(matches!(error, ReadError::Damaged { .. }), "{error}");
+    }
+}
+
 #[test]
 fn messages_in_and_outside_chunks_count_alike() {
     let log = mixed_log();
