@@ -2,11 +2,12 @@
 //!
 //! Counts, times and gaps come from the log's summary and the telemetry's message indexes. Messages are read for
 //! two things: which fields those of a JSON topic have, and what share of the telemetry is usable; for the latter
-//! only a part of a long log.
+//! only a part of a long log. What viewers have trouble with is in the summary and in some message indexes.
 
 mod first_sample;
 mod sampled;
 mod topics;
+mod viewers;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -39,6 +40,8 @@ use crate::{
 pub use first_sample::FirstSample;
 use sampled::Sampled;
 pub use topics::{ListedTopic, TopicList, topics};
+use viewers::viewer_warnings;
+pub use viewers::{FarMessages, FastTopic, ViewerWarning};
 
 /// What a log contains. Scripts read it as JSON, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -63,6 +66,8 @@ pub struct Inspection {
     pub problem: Option<Problem>,
     /// The topics that are not telemetry, by kind.
     pub other_topics: Vec<TopicGroup>,
+    /// What viewers such as Foxglove have trouble with in the log.
+    pub viewer_warnings: Vec<ViewerWarning>,
     /// Other things the user should know.
     pub notes: Vec<Note>,
 }
@@ -294,6 +299,7 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
     if let Some(error) = problem.take_if(|error| error.is_of_reading()) {
         return Err(error);
     }
+    let viewer_warnings = viewer_warnings(&log)?;
     notes.extend(Note::on_growth(log.file.grown_by()?));
     let statistics = &log.contents.statistics;
     let names: BTreeSet<&str> = log
@@ -313,6 +319,7 @@ pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Ins
         other_topics: group_topics(&log, &used),
         telemetry,
         problem: problem.map(|error| Problem(Arc::new(error))),
+        viewer_warnings,
         notes,
     })
 }

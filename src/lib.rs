@@ -148,8 +148,8 @@ pub use examine::{CheckReport, check};
 pub use fs::ReadAt;
 pub use geometry::{DepressionAngle, DepressionOutOfRange};
 pub use inspect::{
-    FirstSample, FoundRole, Inspection, ListedTopic, Planned, Problem, RoleReport, Telemetry,
-    TopicGroup, TopicList, inspect, topics,
+    FarMessages, FastTopic, FirstSample, FoundRole, Inspection, ListedTopic, Planned, Problem,
+    RoleReport, Telemetry, TopicGroup, TopicList, ViewerWarning, inspect, topics,
 };
 pub use messages::{Encoding, EncodingChoice};
 pub use options::Options;

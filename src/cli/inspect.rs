@@ -25,9 +25,6 @@ use super::{
     words::{self, plural},
 };
 
-/// How many topics of a group are listed by name.
-const NAMED: usize = 4;
-
 /// Say which telemetry a log has, and what enrich would produce
 ///
 /// Nothing is written. On a log with a summary only a part of it is read. The exit code is 0 if enrich would
@@ -96,6 +93,9 @@ fn describe(inspection: &Inspection) -> Page {
     }
     for note in &inspection.notes {
         page.line("Note", words::note(note));
+    }
+    for warning in &inspection.viewer_warnings {
+        page.line("Viewers", words::viewer_warning(warning));
     }
     if let Some(telemetry) = &inspection.telemetry {
         page.paragraph(&table(telemetry));
@@ -325,13 +325,9 @@ fn describe_group(group: &TopicGroup) -> String {
     if let [topic] = topics[..] {
         return format!("  {schemas} ({encoding}): {messages} on {topic}");
     }
-    let named = text::join(topics.iter().take(NAMED), ", ");
-    let more = match topics.len().saturating_sub(NAMED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
     format!(
-        "  {schemas} ({encoding}): {messages} on {} topics\n    {named}{more}",
-        topics.len()
+        "  {schemas} ({encoding}): {messages} on {} topics\n    {}",
+        topics.len(),
+        words::first_few(topics.iter())
     )
 }

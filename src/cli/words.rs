@@ -10,6 +10,7 @@ mod missing;
 mod note;
 mod passed_over;
 mod sample;
+mod viewers;
 
 pub use angles::other_unit;
 pub use camera::camera;
@@ -18,8 +19,14 @@ pub use missing::{missing, velocity_from_position};
 pub use note::note;
 use passed_over::passed_over;
 pub use sample::{first_sample, label};
+pub use viewers::viewer_warning;
 
-use flightcam::report::{Chosen, ProfileReport};
+use std::fmt::Display;
+
+use flightcam::{
+    report::{Chosen, ProfileReport},
+    text,
+};
 use indicatif::HumanCount;
 
 /// The profile, and why it was chosen.
@@ -43,4 +50,14 @@ pub fn profile(profile: &ProfileReport) -> String {
 pub fn plural(count: u64, thing: &str) -> String {
     let ending = if count == 1 { "" } else { "s" };
     format!("{} {thing}{ending}", HumanCount(count))
+}
+
+/// The first few of some names, and how many more there are.
+pub fn first_few<T: Display>(names: impl ExactSizeIterator<Item = T>) -> String {
+    const NAMED: usize = 4;
+    let more = match names.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!("{}{more}", text::join(names.take(NAMED), ", "))
 }

@@ -30,6 +30,8 @@ pub struct Contents {
     pub statistics: Statistics,
     /// Channel ids that the log's summary mentions, though perhaps nothing else does.
     pub mentioned_channel_ids: BTreeSet<u16>,
+    /// Whether the log's own summary has an index of its chunks, by which readers seek.
+    pub has_chunk_index: bool,
     /// How far the log times on each channel go back, if all messages were read in the order of the file.
     pub steps_back: Option<BTreeMap<u16, StepBack>>,
     /// Records of the summary section of unknown kinds: opcode and body.

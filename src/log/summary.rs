@@ -399,6 +399,7 @@ impl Summary {
             }
         }
         contents.unknown_summary = self.unknown.clone();
+        contents.has_chunk_index = !self.chunk_indexes.is_empty();
         let counted = self
             .statistics
             .iter()

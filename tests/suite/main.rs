@@ -47,6 +47,8 @@ mod cli {
     mod help;
     mod inspect;
     mod profiles;
+    // What viewers have trouble with, in words.
+    mod viewers;
 }
 
 mod clock {
@@ -92,6 +94,8 @@ mod enrich {
 mod inspect {
     mod containers;
     mod telemetry;
+    // What viewers have trouble with.
+    mod viewers;
 }
 
 mod log {

@@ -172,6 +172,7 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
         "other_topics": [
             { "schemas": "mine", "encoding": "json", "messages": 2, "topics": ["/more/notes", "/notes"] },
         ],
+        "viewer_warnings": [],
         "notes": [],
     });
     assert_eq!(report, expected);

@@ -20,7 +20,10 @@ pub struct Logbook {
 
 impl Logbook {
     pub fn with_chunks_of(bytes: u64) -> Self {
-        let options = WriteOptions::new().chunk_size(Some(bytes));
+        Self::with_options(WriteOptions::new().chunk_size(Some(bytes)))
+    }
+
+    pub fn with_options(options: WriteOptions) -> Self {
         Self {
             writer: options.create(Cursor::new(Vec::new())).expect("a writer"),
             folder: tempfile::tempdir().expect("a temporary folder"),
