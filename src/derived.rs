@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use crate::{
     geometry::RollPitchYaw,
@@ -29,6 +29,8 @@ pub enum Value {
         /// The turn, radians.
         rpy: RollPitchYaw,
     },
+    /// The camera's attitude, `R_ned_camera`.
+    Orientation(Rotation3<f64>),
     /// The drone's velocity over ground in the camera's axes, m/s.
     CameraVelocity(Vector3<f64>),
 }
@@ -40,19 +42,26 @@ pub enum Value {
 pub enum Quantity {
     /// How the camera turned since the previous attitude sample.
     RelativeRpy,
+    /// The camera's attitude.
+    Orientation,
     /// The drone's velocity in the camera's axes.
     CameraVelocity,
 }
 
 impl Quantity {
     /// All quantities, in their order.
-    pub const ALL: [Quantity; 2] = [Quantity::RelativeRpy, Quantity::CameraVelocity];
+    pub const ALL: [Quantity; 3] = [
+        Quantity::RelativeRpy,
+        Quantity::Orientation,
+        Quantity::CameraVelocity,
+    ];
 
     /// The kinds of sample that it is derived from, and how many usable ones of each it takes to derive the first
     /// value. From then on there is one value for each sample of the last kind.
     pub fn needs(self) -> &'static [(Kind, u64)] {
         match self {
             Quantity::RelativeRpy => &[(Kind::Attitude, 2)],
+            Quantity::Orientation => &[(Kind::Attitude, 1)],
             Quantity::CameraVelocity => &[(Kind::Attitude, 1), (Kind::Velocity, 1)],
         }
     }
@@ -67,6 +76,7 @@ impl Quantity {
     pub fn topic(self) -> &'static str {
         match self {
             Quantity::RelativeRpy => "/camera/relative_rpy",
+            Quantity::Orientation => "/camera/orientation",
             Quantity::CameraVelocity => "/camera/velocity",
         }
     }
@@ -75,6 +85,7 @@ impl Quantity {
     pub fn frame_id(self) -> &'static str {
         match self {
             Quantity::RelativeRpy => "previous_camera",
+            Quantity::Orientation => "ned",
             Quantity::CameraVelocity => "camera",
         }
     }
@@ -83,11 +94,12 @@ impl Quantity {
 impl Value {
     /// Whether all of its numbers are finite.
     pub fn is_finite(&self) -> bool {
-        let numbers = match self {
-            Self::RelativeRpy { rpy, .. } => [rpy.roll, rpy.pitch, rpy.yaw],
-            Self::CameraVelocity(velocity) => (*velocity).into(),
-        };
-        numbers.into_iter().all(f64::is_finite)
+        let are_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+        match self {
+            Self::RelativeRpy { rpy, .. } => are_finite(&[rpy.roll, rpy.pitch, rpy.yaw]),
+            Self::Orientation(r_ned_camera) => are_finite(r_ned_camera.matrix().as_slice()),
+            Self::CameraVelocity(velocity) => are_finite(velocity.as_slice()),
+        }
     }
 }
 
@@ -96,6 +108,7 @@ impl Derived {
     pub fn quantity(&self) -> Quantity {
         match self.value {
             Value::RelativeRpy { .. } => Quantity::RelativeRpy,
+            Value::Orientation(_) => Quantity::Orientation,
             Value::CameraVelocity(_) => Quantity::CameraVelocity,
         }
     }

@@ -10,6 +10,7 @@ pub mod v1 {
     include!(concat!(env!("OUT_DIR"), "/flightcam.v1.rs"));
 }
 
+mod camera_orientation;
 mod camera_velocity;
 mod relative_rpy;
 
@@ -99,9 +100,9 @@ impl Encoding {
     /// The message types that are written in it, in a line for a list of encodings.
     pub fn summary(self) -> &'static str {
         match self {
-            Self::Protobuf => "flightcam.v1.RelativeRpy and flightcam.v1.CameraVelocity",
+            Self::Protobuf => "flightcam.v1.RelativeRpy, CameraOrientation and CameraVelocity",
             Self::Json => "The same fields in JSON",
-            Self::Ros2 => "geometry_msgs/msg/Vector3Stamped for both",
+            Self::Ros2 => "geometry_msgs/msg/Vector3Stamped and QuaternionStamped",
         }
     }
 
@@ -118,6 +119,7 @@ impl Encoding {
     pub fn schema(self, quantity: Quantity) -> MessageDefinition {
         match quantity {
             Quantity::RelativeRpy => relative_rpy::definition(self),
+            Quantity::Orientation => camera_orientation::definition(self),
             Quantity::CameraVelocity => camera_velocity::definition(self),
         }
     }
@@ -131,6 +133,9 @@ impl Encoding {
         match derived.value {
             Value::RelativeRpy { interval, rpy } => {
                 relative_rpy::encode(self, header, interval, rpy, out);
+            }
+            Value::Orientation(r_ned_camera) => {
+                camera_orientation::encode(self, header, &r_ned_camera, out);
             }
             Value::CameraVelocity(velocity) => {
                 camera_velocity::encode(self, header, velocity, out);

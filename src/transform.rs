@@ -407,20 +407,24 @@ impl Transform {
     }
 
     fn derive(&mut self, sample: &Held, pose: Pose, out: &mut Vec<Derived>) {
-        let value = match sample {
-            Held::Attitude(_) => self.turn_to(pose),
+        let values = match sample {
+            Held::Attitude(_) => [
+                self.turn_to(pose),
+                Some(Value::Orientation(pose.r_ned_camera)),
+            ],
             Held::Velocity(sample) => {
                 let velocity = pose.see(sample.velocity);
                 self.note_velocity(pose.time, pose.r_ned_camera * velocity);
-                Some(Value::CameraVelocity(velocity))
+                [Some(Value::CameraVelocity(velocity)), None]
             }
         };
-        if value.is_some_and(|value| !value.is_finite()) {
+        let values = values.into_iter().flatten();
+        if !values.clone().all(|value| value.is_finite()) {
             return self.count_dropped(sample.kind(), DropReason::TooLarge, 1);
         }
         self.outcome.tallies[sample.kind()].used += 1;
         let stamp = sample.stamp();
-        out.extend(value.map(|value| Derived { stamp, value }));
+        out.extend(values.map(|value| Derived { stamp, value }));
     }
 
     /// How the camera turned since the previous attitude sample, unless the chain broke in between.
