@@ -49,7 +49,7 @@
 //! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry, similar |
 //! | `clock` | where the time of a log's messages goes back for good: its epochs | log, source, sample |
 //! | `reader` | log + source → samples in time order, epoch by epoch | log, source, sample, clock |
-//! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | derived |
+//! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | geometry, derived |
 //! | `writer` | derived values → channels added to a log; the journal of a change in place; the original that an enriched log carries | fs, log, derived, messages |
 //! | `watch` | progress and cancellation | writer |
 //! | `options` | what the caller decides about a run | camera, source, transform, messages, writer, watch |

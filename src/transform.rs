@@ -1,8 +1,8 @@
 //! Samples → derived values: a state machine without input or output.
 //!
 //! Samples go in one at a time, in time order and at equal times in the order of their [`Kind`]; derived values
-//! come out in time order, at equal times the relative rotation before the velocity. Where the clock was set back, a
-//! new epoch begins, with times of its own; nothing is derived from samples of two epochs.
+//! come out in time order, at equal times in the order of their [`Quantity`](crate::derived::Quantity). Where the clock
+//! was set back, a new epoch begins, with times of its own; nothing is derived from samples of two epochs.
 //!
 //! The drone's attitude and, if the camera follows it, the gimbal's orientation are interpolated, so an attitude
 //! or a velocity is held back until a gimbal angle and an attitude at its time or later have come. Samples are

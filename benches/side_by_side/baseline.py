@@ -9,6 +9,7 @@ benchmark's logs have none.
 import sys
 
 import numpy as np
+from flightcam.v1.camera_orientation_pb2 import CameraOrientation
 from flightcam.v1.camera_velocity_pb2 import CameraVelocity
 from flightcam.v1.relative_rpy_pb2 import RelativeRpy
 from google.protobuf.duration_pb2 import Duration
@@ -40,12 +41,21 @@ def roll_pitch_yaw(r):
     return np.stack([roll, pitch, yaw], axis=-1)
 
 
+def quaternions(angles):
+    """x, y, z, w of rotations as roll, pitch, yaw; of the two that are the same, the one with w >= 0."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles / 2).T, np.sin(angles / 2).T
+    x, y = sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy
+    z, w = cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy
+    return np.where(w < 0, -1, 1)[:, None] * np.stack([x, y, z, w], axis=-1)
+
+
 class Derived:
     """Collects samples, and writes what is derived from them a block at a time."""
 
     def __init__(self, writer, depression):
         self.writer, self.depression = writer, depression
         self.rpy_channel = self.register("/camera/relative_rpy", RelativeRpy)
+        self.orientation_channel = self.register("/camera/orientation", CameraOrientation)
         self.velocity_channel = self.register("/camera/velocity", CameraVelocity)
         self.times, self.states = [], []
         self.last_time, self.last_camera = None, None
@@ -69,9 +79,13 @@ class Derived:
         first = cameras[:1] if self.last_camera is None else self.last_camera
         previous = np.concatenate([first, cameras[:-1]])
         rotations = roll_pitch_yaw(previous.transpose(0, 2, 1) @ cameras)
-        for times, rpy, velocity in zip(self.times, rotations.tolist(), velocities.tolist()):
+        angles = roll_pitch_yaw(cameras)
+        orientations = np.concatenate([quaternions(angles), angles], axis=1)
+        derived = (rotations.tolist(), orientations.tolist(), velocities.tolist())
+        for times, rotation, orientation, velocity in zip(self.times, *derived):
             if self.last_time is not None:
-                self.write_rotation(times, *rpy)
+                self.write_rotation(times, *rotation)
+            self.write_orientation(times, *orientation)
             self.write_velocity(times, *velocity)
             self.last_time = times[0]
             self.sequence += 1
@@ -85,8 +99,17 @@ class Derived:
         message = RelativeRpy(
             timestamp=timestamp, frame_id="previous_camera", interval=interval, roll=roll, pitch=pitch, yaw=yaw
         )
-        # One less than the velocity's: the first sample has no rotation.
+        # One less than the others': the first sample has no rotation.
         self.write(self.rpy_channel, times, message, self.sequence - 1)
+
+    def write_orientation(self, times, x, y, z, w, roll, pitch, yaw):
+        timestamp = Timestamp()
+        timestamp.FromNanoseconds(times[0])
+        quaternion = CameraOrientation.Quaternion(x=x, y=y, z=z, w=w)
+        message = CameraOrientation(
+            timestamp=timestamp, frame_id="ned", quaternion=quaternion, roll=roll, pitch=pitch, yaw=yaw
+        )
+        self.write(self.orientation_channel, times, message, self.sequence)
 
     def write_velocity(self, times, x, y, z):
         timestamp = Timestamp()

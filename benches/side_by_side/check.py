@@ -19,6 +19,7 @@ import subprocess
 import sys
 from array import array
 from hashlib import sha256
+from operator import attrgetter
 from pathlib import Path
 from struct import unpack
 
@@ -28,7 +29,12 @@ from mcap_protobuf.decoder import DecoderFactory
 
 # Reads a file with the official library, and checks what the library does not.
 READER = Path(__file__).parents[2] / "tests/readers/read.py"
-DERIVED = {"/camera/relative_rpy": ["roll", "pitch", "yaw"], "/camera/velocity": ["x", "y", "z"]}
+QUATERNION = [f"quaternion.{name}" for name in ("x", "y", "z", "w")]
+DERIVED = {
+    "/camera/relative_rpy": attrgetter("roll", "pitch", "yaw"),
+    "/camera/orientation": attrgetter(*QUATERNION, "roll", "pitch", "yaw"),
+    "/camera/velocity": attrgetter("x", "y", "z"),
+}
 TOLERANCE = 1e-9
 DATA_END_LENGTH, FOOTER_LENGTH, MAGIC_LENGTH = 1 + 8 + 4, 1 + 8 + 20, 8
 
@@ -68,7 +74,7 @@ class Derived:
                 interval = message.interval.ToNanoseconds() if topic == "/camera/relative_rpy" else 0
                 stamp = message.timestamp.ToNanoseconds()
                 self.times[topic].extend((record.log_time, record.publish_time, stamp, interval))
-                self.numbers[topic].extend(getattr(message, field) for field in DERIVED[topic])
+                self.numbers[topic].extend(DERIVED[topic](message))
 
     def compare(self, other):
         check(self.kinds == other.kinds, f"derived messages of other types or frames: {self.kinds}")

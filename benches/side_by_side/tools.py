@@ -48,7 +48,8 @@ def prepare_tools():
     run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", requirements)
     messages = environment / "messages"
     messages.mkdir(exist_ok=True)
-    protos = [PROTO / f"flightcam/v1/{name}.proto" for name in ("camera_velocity", "relative_rpy")]
+    names = ("relative_rpy", "camera_orientation", "camera_velocity")
+    protos = [PROTO / f"flightcam/v1/{name}.proto" for name in names]
     run(python, "-m", "grpc_tools.protoc", f"--proto_path={PROTO}", f"--python_out={messages}", *protos)
 
     commit = ask("git", "describe", "--always", "--dirty")

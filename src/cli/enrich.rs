@@ -31,7 +31,7 @@ Examples:
   flightcam enrich flight.mcap --depression 30       a gimbal held 30° below the horizon
   flightcam enrich flight.mcap --mount 0,-30,0       a camera bolted to the airframe";
 
-/// Add /camera/relative_rpy and /camera/velocity to a log
+/// Add /camera/relative_rpy, /camera/orientation and /camera/velocity to a log
 ///
 /// The result is a new file or, with --in-place, the log itself. Every byte of the log's data stays as it is, and
 /// the new channels are appended after it. `flightcam restore` undoes this. If the log is already enriched, the

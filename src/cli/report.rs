@@ -46,7 +46,7 @@ pub fn describe(report: &Report) -> Page {
         .collect();
     page.paragraph(&format!(
         "To look at it, open the result in Foxglove (https://foxglove.dev), add a Plot panel, and plot {}.",
-        to_plot.join(" and ")
+        words::list(&to_plot)
     ));
     page
 }

@@ -61,3 +61,12 @@ pub fn first_few<T: Display>(names: impl ExactSizeIterator<Item = T>) -> String 
     };
     format!("{}{more}", text::join(names.take(NAMED), ", "))
 }
+
+/// Things as a sentence lists them: "this, that and another".
+pub fn list(things: &[String]) -> String {
+    match things {
+        [] => String::new(),
+        [only] => only.clone(),
+        [others @ .., last] => format!("{} and {last}", others.join(", ")),
+    }
+}

@@ -3,16 +3,21 @@
     decode.py FILE mcap       with mcap-protobuf-support, mcap-ros2-support, or json and the JSON Schema
     decode.py FILE rosbags    with rosbags, which reads files that are ROS 2 and nothing else
 
-One line a message, in log time order: topic log_time stamp frame_id and the three numbers, with as many
-digits as they need. `stamp` is the time that the message itself says, in nanoseconds.
+One line a message, in log time order: topic log_time stamp frame_id and the numbers, with as many digits as they
+need. `stamp` is the time that the message itself says, in nanoseconds.
 """
 
 import json
 import sys
 from pathlib import Path
 
-TOPICS = ["/camera/relative_rpy", "/camera/velocity"]
-NUMBERS = {"/camera/relative_rpy": ["roll", "pitch", "yaw"], "/camera/velocity": ["x", "y", "z"]}
+QUATERNION = ["x", "y", "z", "w"]
+NUMBERS = {
+    "/camera/relative_rpy": ["roll", "pitch", "yaw"],
+    "/camera/orientation": [*(f"quaternion.{name}" for name in QUATERNION), "roll", "pitch", "yaw"],
+    "/camera/velocity": ["x", "y", "z"],
+}
+TOPICS = list(NUMBERS)
 
 
 def nanoseconds(time):
@@ -24,13 +29,38 @@ def nanoseconds(time):
     return time.sec * 10**9 + time.nanosec
 
 
+def field(message, path):
+    """Of a message as protobuf or JSON say it."""
+    for name in path.split("."):
+        message = message[name] if isinstance(message, dict) else getattr(message, name)
+    return message
+
+
 def show(topic, log_time, stamp, frame_id, numbers):
     print(topic, log_time, nanoseconds(stamp), frame_id, *map(repr, numbers))
 
 
 def show_ros2(topic, log_time, message):
-    vector = message.vector
-    show(topic, log_time, message.header.stamp, message.header.frame_id, [vector.x, vector.y, vector.z])
+    header = message.header
+    if topic == "/camera/orientation":
+        numbers = [getattr(message.quaternion, name) for name in QUATERNION]
+    else:
+        numbers = [message.vector.x, message.vector.y, message.vector.z]
+    show(topic, log_time, header.stamp, header.frame_id, numbers)
+
+
+def show_own(topic, log_time, message):
+    """Of flightcam's own types."""
+    numbers = [float(field(message, path)) for path in NUMBERS[topic]]
+    show(topic, log_time, field(message, "timestamp"), field(message, "frame_id"), numbers)
+
+
+def refuse_more(schema):
+    """Makes a schema refuse fields that it does not have."""
+    if schema["type"] == "object":
+        schema["additionalProperties"] = False
+        for part in schema["properties"].values():
+            refuse_more(part)
 
 
 class JsonDecoderFactory:
@@ -48,7 +78,7 @@ class JsonDecoderFactory:
             definition = json.loads(schema.data)
             if definition["title"] != schema.name:
                 raise ValueError(f"the schema of {schema.name} is titled {definition['title']}")
-            definition["additionalProperties"] = False
+            refuse_more(definition)
             self.validators[schema.id] = fastjsonschema.compile(definition)
         return lambda data: self.validators[schema.id](json.loads(data))
 
@@ -65,12 +95,8 @@ def with_mcap(path):
             topic, time = channel.topic, record.log_time
             if channel.message_encoding == "cdr":
                 show_ros2(topic, time, message)
-            elif channel.message_encoding == "json":
-                numbers = [float(message[name]) for name in NUMBERS[topic]]
-                show(topic, time, message["timestamp"], message["frame_id"], numbers)
             else:
-                numbers = [getattr(message, name) for name in NUMBERS[topic]]
-                show(topic, time, message.timestamp, message.frame_id, numbers)
+                show_own(topic, time, message)
 
 
 def with_rosbags(path):

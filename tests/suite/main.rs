@@ -88,6 +88,7 @@ mod enrich {
     mod kill;
     // Numbers of any size.
     mod numbers;
+    mod orientation;
     mod velocity_from_position;
 }
 
@@ -119,6 +120,7 @@ mod log {
 }
 
 mod messages {
+    mod camera_orientation;
     mod encoding;
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use flightcam::{Report, messages::Encoding, sample::Kind};
 
-use crate::support::{expected::assert_as_expected, *};
+use crate::support::{expected::assert_as_expected, orientations::check_orientations, *};
 
 /// Checks a real log's result against the expected one to 1e-9; `None` where there are no real logs.
 fn check(name: &str) -> Option<Report> {
@@ -19,7 +19,10 @@ fn check_against(name: &str, expectations: &str) -> Option<Report> {
     let csv = fs::read_to_string(csv).expect("the numbers");
     let (result, report) = enrich_bytes(&log).expect("the log is enriched");
 
-    assert_as_expected(judge(&log, &result, false), &csv);
+    let derived = judge(&log, &result, false);
+    let orientations = check_orientations(&derived).len() as u64;
+    assert_eq!(orientations, report.samples[&Kind::Attitude].tally.used);
+    assert_as_expected(derived, &csv);
     Some(report)
 }
 
@@ -70,11 +73,11 @@ fn resets_of_the_estimator_and_invalid_velocities_are_left_out() {
 }
 
 #[test]
-fn a_flight_without_a_valid_velocity_still_has_its_rotations() {
+fn a_flight_without_a_valid_velocity_still_has_its_rotations_and_orientations() {
     let Some(report) = check("sample_log_small") else {
         return;
     };
-    assert_eq!(report.written.len(), 1);
+    assert_eq!(report.written.len(), 2);
     let [missing] = &report.not_written[..] else {
         panic!("one topic is missing")
     };

@@ -1,10 +1,10 @@
 //! Restoring: whatever flightcam made of a log, the original comes back byte for byte.
 
-use std::{fs, io::Read as _};
+use std::{collections::BTreeSet, fs, io::Read as _};
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use flightcam::{
-    Output, Watch, enrich,
+    Note, Output, Watch, enrich,
     log::record::{FRAME_LENGTH, serialize},
     restore,
 };
@@ -98,6 +98,52 @@ fn a_log_whose_end_is_longer_than_what_replaces_it_is_restored() {
 #[test]
 fn a_log_with_several_chunks_of_results_is_restored() {
     goes_there_and_back(&long_log()).expect("it is enriched");
+}
+
+#[test]
+fn a_log_of_one_reading_which_has_no_rotation_is_restored() {
+    let shape = Shape {
+        messages: 1,
+        ..Shape::default()
+    };
+    goes_there_and_back(&shape.write()).expect("it is enriched");
+}
+
+/// In `fixtures/before_orientation`: what flightcam made of a flight, with the camera at 30°, when it did not write
+/// orientations yet.
+#[test]
+fn a_result_from_before_there_were_orientations_is_replaced_and_restored() {
+    let [log, earlier] = ["flight", "result"].map(|name| {
+        let path = format!("fixtures/before_orientation/{name}.mcap");
+        fs::read(repository(&path)).expect("the fixture")
+    });
+    let topics = judge(&log, &earlier, false)
+        .into_iter()
+        .map(|message| message.topic);
+    let topics: BTreeSet<String> = topics.collect();
+    assert_eq!(
+        topics,
+        ["/camera/relative_rpy", "/camera/velocity"]
+            .map(str::to_owned)
+            .into()
+    );
+
+    let (replaced, report) = enrich_bytes_with(&earlier, &options_at(60.0)).expect("a result");
+    let (direct, _) = enrich_bytes_with(&log, &options_at(60.0)).expect("a result");
+    assert!(replaced == direct, "nothing is left of the earlier result");
+    let [Note::Replaced { earlier: run }] = &report.notes[..] else {
+        panic!("{:?}", report.notes);
+    };
+    let camera = run.camera.as_ref().expect("a camera").as_str();
+    assert!(camera.contains("30°"), "{camera}");
+
+    let folder = Folder::with(LOG, &earlier);
+    enrich(folder.path(LOG), Output::InPlace, &options_at(60.0)).expect("a result");
+    assert!(folder.read_only_one(LOG) == direct, "in place, too");
+
+    let folder = Folder::with(LOG, &earlier);
+    restore(folder.path(LOG), Output::InPlace, &Watch::default()).expect("the original");
+    assert!(folder.read_only_one(LOG) == log);
 }
 
 proptest! {

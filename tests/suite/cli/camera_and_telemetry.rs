@@ -26,7 +26,7 @@ fn assert_same(these: &[DerivedMessage], those: &[DerivedMessage]) {
     assert_eq!(these.len(), those.len());
     for (this, that) in these.iter().zip(those) {
         assert_eq!((&this.topic, this.stamp), (&that.topic, that.stamp));
-        for (a, b) in this.numbers.iter().zip(that.numbers) {
+        for (a, b) in this.numbers.iter().zip(&that.numbers) {
             assert!((a - b).abs() < 1e-9, "{this:?} is not {that:?}");
         }
     }
@@ -69,7 +69,7 @@ fn telemetry_named_by_arguments_yields_the_same_as_the_profile_flat() {
     let (derived, report) = enriched(&one_off, arguments);
     let (expected, _) = enriched(&[flat()], "--depression 30");
     assert_same(&derived, &expected);
-    assert_eq!(derived.len(), 49 + 50);
+    assert_eq!(derived.len(), 49 + 50 + 50);
     assert_eq!(report["profile"]["name"], "command line");
     assert_eq!(report["attitude"]["topic"], "/imu");
     assert_eq!(report["velocity"]["topic"], "/gps");

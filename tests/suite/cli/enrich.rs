@@ -10,7 +10,7 @@ use std::{collections::BTreeMap, f64::consts::PI, fs, path::Path};
 use mcap::MessageStream;
 use serde_json::{Value, json};
 
-use crate::support::{folder::*, topics::*};
+use crate::support::{DERIVED, folder::*, topics::*};
 
 const FIXTURE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/survey_flight.mcap");
 
@@ -98,9 +98,10 @@ fn an_earlier_result_is_replaced() {
 
 #[test]
 fn the_requested_encoding_is_written_and_the_advice_names_its_fields() {
-    let own = "flightcam.v1.CameraVelocity … /camera/relative_rpy.yaw and /camera/velocity.x.";
-    let ros2 = "geometry_msgs/msg/Vector3Stamped … \
-                /camera/relative_rpy.vector.z and /camera/velocity.vector.x.";
+    let own = "flightcam.v1.CameraOrientation … \
+               /camera/relative_rpy.yaw, /camera/orientation.yaw and /camera/velocity.x.";
+    let ros2 = "geometry_msgs/msg/QuaternionStamped … /camera/relative_rpy.vector.z, \
+                /camera/orientation.quaternion.z and /camera/velocity.vector.x.";
     for (argument, used, expected) in [
         ("auto", "protobuf", own),
         ("protobuf", "protobuf", own),

@@ -71,6 +71,7 @@ Other topics
 
 enrich would write
   /camera/relative_rpy (flightcam.v1.RelativeRpy, protobuf): up to 3,309 messages
+  /camera/orientation (flightcam.v1.CameraOrientation, protobuf): up to 3,310 messages
   /camera/velocity (flightcam.v1.CameraVelocity, protobuf): up to 3,310 messages
 ";
     assert_eq!(printed, expected);
@@ -160,6 +161,12 @@ fn the_json_has_every_number_under_names_that_scripts_rely_on() {
                     "at_most": 3,
                 },
                 {
+                    "topic": "/camera/orientation",
+                    "schema": "flightcam.v1.CameraOrientation",
+                    "encoding": "json",
+                    "at_most": 4,
+                },
+                {
                     "topic": "/camera/velocity",
                     "schema": "flightcam.v1.CameraVelocity",
                     "encoding": "json",
@@ -231,6 +238,7 @@ fn invalid_samples_and_underivable_topics_are_explained() {
         &prints(&folder, "", 0),
         "Velocity         1        –            –    100 % … \
          enrich would write … /camera/relative_rpy … up to 1 message … \
+         /camera/orientation … up to 2 messages … \
          but not … /camera/velocity: at least one usable velocity sample is needed, and … has 0 of 1 usable, 1 marked invalid",
     );
 }

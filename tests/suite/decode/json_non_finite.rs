@@ -121,7 +121,7 @@ fn fields_are_found_in_messages_with_such_numbers() {
     }
     let (derived, report) = log.enrich(None).expect("a result");
     assert_eq!(report.profile.name, "flat");
-    assert_eq!(derived.len(), 39);
+    assert_eq!(derived.len(), 19 + 20 + 20);
     assert!(report.complete);
 }
 

@@ -109,11 +109,11 @@ mod truncated_messages {
     #[test]
     fn a_log_of_truncated_messages_alone_yields_nothing() {
         let mut state = topic("/drone/state", states(2, 1.0));
-        // Without a velocity, which could be derived of the first.
-        state.messages[0] = br#"{"roll":0,"pitch":0,"yaw":0}"#.to_vec();
+        // It has the fields, but no usable attitude.
+        state.messages[0] = br#"{"roll":0,"pitch":0,"yaw":NaN}"#.to_vec();
         state.messages[1].truncate(9);
-        let message =
-            "nothing can be derived … /camera/relative_rpy: … 1 of 2 usable, 1 not decodable";
+        let message = "nothing can be derived … /camera/relative_rpy: … 0 of 2 usable, 1 not decodable … \
+                       /camera/orientation: … 0 of 2 usable, 1 not decodable";
         let mut torn = state.clone();
         torn.messages[0] = b"{}".to_vec();
         folder(&[torn]).refuses(&enrich("--depression 30"), 1, "no usable telemetry");

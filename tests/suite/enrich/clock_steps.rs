@@ -22,7 +22,7 @@ use crate::support::{
 type Message = mcap::Message<'static>;
 
 /// What is derived: topic, log time, numbers.
-type Row = (String, u64, [f64; 3]);
+type Row = (String, u64, Vec<f64>);
 
 /// A flight of four seconds as one recorder writes it: the messages of all topics in the order of their times.
 fn recorded(profile: &str) -> Vec<Message> {

@@ -101,6 +101,7 @@ fn values_are_derived_without_writing_a_log() {
             of_quantity.count()
         };
         assert_eq!(count(Quantity::RelativeRpy), 3309);
+        assert_eq!(count(Quantity::Orientation), 3310);
         assert_eq!(count(Quantity::CameraVelocity), 3310);
         assert!(values.is_sorted_by_key(|value| value.stamp.log_time));
     }

@@ -63,7 +63,7 @@ fn velocities(result: &[u8]) -> Series {
         .map(|message| {
             (
                 message.log_time,
-                message::DerivedMessage::decode(&message).numbers,
+                message::DerivedMessage::decode(&message).triple(),
             )
         })
         .collect();
@@ -94,7 +94,7 @@ fn a_log_with_positions_and_without_a_usable_velocity_says_what_can_be_done() {
 fn where_nothing_at_all_can_be_derived_the_error_says_it_too() {
     let apart = states(3, without_velocity);
     let alone = Topic {
-        messages: vec![br#"{"q":[1,0,0,0]}"#.to_vec()],
+        messages: vec![br#"{"q":[0,0,0,0]}"#.to_vec()],
         ..attitude("/a")
     };
     let folder = Folder::with(LOG, log(&[alone, apart]));

@@ -165,7 +165,8 @@ fn a_long_log_is_read_in_even_parts_and_the_rest_counted() {
     let invalid = attitude.read - attitude.tally.used;
     let planned = &telemetry(&inspection).would_write;
     assert_eq!(planned[0].at_most, 120 - invalid - 1);
-    assert_eq!(planned[1].at_most, 120);
+    assert_eq!(planned[1].at_most, 120 - invalid);
+    assert_eq!(planned[2].at_most, 120);
     assert_eq!(found(&inspection, Kind::Velocity).share_invalid, 0.0);
 }
 

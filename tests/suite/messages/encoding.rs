@@ -18,10 +18,10 @@ use mcap::{
     Summary, WriteOptions,
     records::{Channel, MessageHeader},
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use prost_reflect::DescriptorPool;
 
-use crate::support::{message::DerivedMessage, *};
+use crate::support::{message::DerivedMessage, orientations::assert_well_formed, *};
 
 fn asking_for(encoding: Encoding) -> Options {
     options().encoding(EncodingChoice::Given(encoding))
@@ -75,22 +75,37 @@ fn every_encoding_has_the_same_numbers_and_times() {
         assert_eq!(report.encoding.name, encoding);
         derived_messages(&log, &result)
     });
-    assert_eq!(protobuf.len(), 3309 + 3310);
+    assert_eq!(protobuf.len(), 3309 + 3310 + 3310);
     for message in &protobuf {
-        let is_velocity = message.topic == "/camera/velocity";
+        let frame_id = match message.topic.as_str() {
+            "/camera/relative_rpy" => "previous_camera",
+            "/camera/orientation" => "ned",
+            _ => "camera",
+        };
         assert_eq!(message.stamp, message.log_time);
-        assert_eq!(message.frame_id == "camera", is_velocity);
-        assert_eq!(message.frame_id == "previous_camera", !is_velocity);
-        assert_eq!(message.interval.is_none(), is_velocity);
+        assert_eq!(message.frame_id, frame_id);
+        let has_interval = message.topic == "/camera/relative_rpy";
+        assert_eq!(message.interval.is_some(), has_interval);
+        if message.topic == "/camera/orientation" {
+            assert_well_formed(message);
+        }
     }
-    let bits = |message: &DerivedMessage| message.numbers.map(f64::to_bits);
-    for (others, keep_the_interval) in [(json, true), (ros2, false)] {
+    let bits = |message: &DerivedMessage| -> Vec<u64> {
+        let numbers = message.numbers.iter();
+        numbers.map(|number| number.to_bits()).collect()
+    };
+    for (others, has_all) in [(json, true), (ros2, false)] {
         assert_eq!(others.len(), protobuf.len());
         for (other, message) in others.iter().zip(&protobuf) {
             let mut expected = message.clone();
-            expected.interval = message.interval.filter(|_| keep_the_interval);
+            if !has_all {
+                expected.interval = None;
+                if message.topic == "/camera/orientation" {
+                    expected.numbers.truncate(4);
+                }
+            }
             assert_eq!(*other, expected);
-            assert_eq!(bits(other), bits(message), "{other:?}, not {message:?}");
+            assert_eq!(bits(other), bits(&expected), "{other:?}, not {message:?}");
         }
     }
 }
@@ -119,17 +134,14 @@ fn the_encoding_is_the_telemetrys_by_default() {
         }
     }
 
-    for (log, name, schemas) in [
-        (
-            survey_flight(),
-            "protobuf",
-            ["flightcam.v1.RelativeRpy", "flightcam.v1.CameraVelocity"],
-        ),
-        (
-            Shape::default().write(),
-            "json",
-            ["flightcam.v1.RelativeRpy", "flightcam.v1.CameraVelocity"],
-        ),
+    let schemas = [
+        "flightcam.v1.RelativeRpy",
+        "flightcam.v1.CameraOrientation",
+        "flightcam.v1.CameraVelocity",
+    ];
+    for (log, name) in [
+        (survey_flight(), "protobuf"),
+        (Shape::default().write(), "json"),
     ] {
         let (result, report) = enrich_bytes(&log).expect("a result");
         let facts = facts(&result);
@@ -187,15 +199,18 @@ fn json_schemas_explain_every_field_of_the_protobuf_messages() {
         assert_eq!(fields, properties.keys().map(String::as_str).collect());
         for (name, property) in properties {
             assert!(property["description"].is_string(), "{name}");
-            let kind = match name.as_str() {
-                "timestamp" | "interval" => "object",
-                "frame_id" => "string",
-                _ => "number",
+            let (kind, parts) = match name.as_str() {
+                "timestamp" | "interval" => ("object", &["sec", "nsec"][..]),
+                "quaternion" => ("object", &["x", "y", "z", "w"][..]),
+                "frame_id" => ("string", &[][..]),
+                _ => ("number", &[][..]),
             };
             assert_eq!(property["type"], kind, "{name}");
             if kind == "object" {
-                assert_eq!(property["required"], serde_json::json!(["sec", "nsec"]));
-                assert_eq!(property["properties"].as_object().expect("two").len(), 2);
+                assert_eq!(property["required"], serde_json::json!(parts));
+                let properties = property["properties"].as_object().expect("an object");
+                assert!(properties.keys().all(|name| parts.contains(&name.as_str())));
+                assert_eq!(properties.len(), parts.len());
             }
         }
     }
@@ -245,6 +260,18 @@ fn a_ros2_message_is_laid_out_as_cdr() {
     other.extend([0; 4]);
     other.extend(&expected[28..]);
     assert_eq!(in_ros2(&derived(2_000_000_003, rotation)), other);
+
+    // A half turn about the vertical: x, y, z, w are 0, 0, 1, 0.
+    let orientation =
+        Rotation3::from_matrix_unchecked(Matrix3::from_diagonal(&Vector3::new(-1.0, -1.0, 1.0)));
+    let mut other = expected[..12].to_vec();
+    other.extend([4, 0, 0, 0]);
+    other.extend(b"ned\0"); // 16 bytes so far
+    other.extend([0; 16]);
+    other.extend([0, 0, 0, 0, 0, 0, 0xf0, 0x3f]);
+    other.extend([0; 8]);
+    let orientation = Value::Orientation(orientation);
+    assert_eq!(in_ros2(&derived(2_000_000_003, orientation)), other);
 }
 
 #[test]
@@ -307,7 +334,7 @@ fn log_with(
 }
 
 #[test]
-fn ros2_channels_share_their_schema_and_have_the_telemetrys_quality_of_service() {
+fn ros2_channels_of_a_type_share_its_schema_and_have_the_telemetrys_quality_of_service() {
     const QOS: &str = "offered_qos_profiles";
     for qos in ["- history: 1\n  depth: 10", ""] {
         let log = log_with(WriteOptions::new(), 0, |_| match qos {
@@ -320,15 +347,16 @@ fn ros2_channels_share_their_schema_and_have_the_telemetrys_quality_of_service()
         let (result, _) = enriched(&log, Encoding::Ros2);
         judge(&log, &result, false);
         let channels = derived_channels(&result);
-        for channel in &channels {
+        let types = ["Vector3Stamped", "QuaternionStamped", "Vector3Stamped"];
+        for (channel, name) in channels.iter().zip(types) {
             assert_eq!(channel.message_encoding, "cdr");
             let expected = BTreeMap::from([(QOS.to_owned(), qos.to_owned())]);
             assert_eq!(channel.metadata, expected);
             let schema = channel.schema.as_ref().expect("a schema");
-            assert_eq!(schema.name, "geometry_msgs/msg/Vector3Stamped");
+            assert_eq!(schema.name, format!("geometry_msgs/msg/{name}"));
             assert_eq!(schema.encoding, "ros2msg");
         }
-        assert_eq!(summary(&result).schemas.len(), 1);
+        assert_eq!(summary(&result).schemas.len(), 2);
 
         let (result, _) = enriched(&log, Encoding::Json);
         let channels = derived_channels(&result);
@@ -337,48 +365,39 @@ fn ros2_channels_share_their_schema_and_have_the_telemetrys_quality_of_service()
 }
 
 #[test]
-fn the_ros2_definition_has_every_type_that_it_refers_to() {
-    let schema = Encoding::Ros2.schema(Quantity::CameraVelocity);
-    let text = std::str::from_utf8(schema.data).expect("UTF-8");
-    assert!(!text.contains('\r'));
-    let separator = format!("\n{}\nMSG: ", "=".repeat(80));
-    let mut parts = text.split(&separator);
-    let fields = |part: &str| -> Vec<String> {
-        let lines = part.lines().filter(|line| !line.starts_with('#'));
-        lines
-            .filter(|line| !line.is_empty())
-            .map(str::to_owned)
-            .collect()
-    };
-    let own = fields(parts.next().expect("the type itself"));
-    assert_eq!(own, ["std_msgs/Header header", "Vector3 vector"]);
-    let others: Vec<Vec<String>> = parts.map(fields).collect();
-    assert_eq!(
-        others,
-        [
-            vec![
-                "geometry_msgs/Vector3",
-                "float64 x",
-                "float64 y",
-                "float64 z"
-            ],
-            vec![
-                "std_msgs/Header",
-                "builtin_interfaces/Time stamp",
-                "string frame_id"
-            ],
-            vec!["builtin_interfaces/Time", "int32 sec", "uint32 nanosec"],
-        ]
-    );
+fn a_ros2_definition_has_every_type_that_it_refers_to() {
+    let vector = "geometry_msgs/Vector3 / float64 x / float64 y / float64 z";
+    let quaternion =
+        "geometry_msgs/Quaternion / float64 x 0 / float64 y 0 / float64 z 0 / float64 w 1";
+    for (quantity, own, part) in [
+        (Quantity::RelativeRpy, "Vector3 vector", vector),
+        (Quantity::Orientation, "Quaternion quaternion", quaternion),
+        (Quantity::CameraVelocity, "Vector3 vector", vector),
+    ] {
+        let schema = Encoding::Ros2.schema(quantity);
+        let text = std::str::from_utf8(schema.data).expect("UTF-8");
+        assert!(!text.contains('\r'));
+        let separator = format!("\n{}\nMSG: ", "=".repeat(80));
+        let fields = |part: &str| -> String {
+            let lines = part.lines().filter(|line| !line.starts_with('#'));
+            let lines: Vec<&str> = lines.filter(|line| !line.is_empty()).collect();
+            lines.join(" / ")
+        };
+        let parts: Vec<String> = text.split(&separator).map(fields).collect();
+        let own = format!("std_msgs/Header header / {own}");
+        let header = "std_msgs/Header / builtin_interfaces/Time stamp / string frame_id";
+        let time = "builtin_interfaces/Time / int32 sec / uint32 nanosec";
+        assert_eq!(parts, [&own, part, header, time]);
+    }
 }
 
 #[test]
 fn a_schema_that_the_log_has_is_not_written_again() {
     let same = Encoding::Ros2.schema(Quantity::CameraVelocity);
     for (encoding, data, schemas) in [
-        ("ros2msg", same.data, 1),
-        ("ros2msg", b"another".as_slice(), 2),
-        ("ros2idl", same.data, 2),
+        ("ros2msg", same.data, 2),
+        ("ros2msg", b"another".as_slice(), 3),
+        ("ros2idl", same.data, 3),
     ] {
         let log = log_with(WriteOptions::new(), 0, |writer| {
             let id = writer.add_schema_with_id(7, same.name, encoding, data);
@@ -389,7 +408,7 @@ fn a_schema_that_the_log_has_is_not_written_again() {
             metadata
         });
         let (result, _) = enriched(&log, Encoding::Ros2);
-        assert_eq!(derived_messages(&log, &result).len(), 3);
+        assert_eq!(derived_messages(&log, &result).len(), 1 + 2 + 2);
         let summary = summary(&result);
         assert_eq!(summary.schemas.len(), schemas);
         assert_eq!(

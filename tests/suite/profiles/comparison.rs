@@ -72,10 +72,11 @@ pub fn request(profile: Option<Profile>) -> Request {
     }
 }
 
-/// What follows for a camera: its turns, and velocities in its axes.
+/// What follows for a camera: its turns, its orientations as angles, and velocities in its axes.
 #[derive(Debug, Clone, Default)]
 pub struct Motion {
     pub turns: Series,
+    pub orientations: Series,
     pub velocities: Series,
 }
 
@@ -94,6 +95,9 @@ impl Motion {
                 Value::RelativeRpy { rpy, .. } => motion
                     .turns
                     .insert(stamp.log_time, [rpy.roll, rpy.pitch, rpy.yaw]),
+                Value::Orientation(r_ned_camera) => motion
+                    .orientations
+                    .insert(stamp.log_time, angles(r_ned_camera.matrix())),
                 Value::CameraVelocity(velocity) => {
                     motion.velocities.insert(stamp.log_time, velocity.into())
                 }
@@ -117,32 +121,44 @@ impl Motion {
             (reference * flight.gimbal(time).to_rotation_matrix()).into_inner()
         };
         let turns = flight.attitude_times.windows(2).map(|times| {
-            let r = camera(times[0]).transpose() * camera(times[1]);
-            let roll = r[(2, 1)].atan2(r[(2, 2)]);
-            let pitch = (-r[(2, 0)]).atan2(r[(2, 1)].hypot(r[(2, 2)]));
-            let yaw = r[(1, 0)].atan2(r[(0, 0)]);
-            (times[1], [roll, pitch, yaw])
+            let turn = camera(times[0]).transpose() * camera(times[1]);
+            (times[1], angles(&turn))
         });
+        let orientations = flight.attitude_times.iter();
+        let orientations = orientations.map(|&time| (time, angles(&camera(time))));
         let velocities = flight.velocity_times.iter().map(|&time| {
             let velocity = camera(time).transpose() * flight.velocity(time);
             (time, velocity.into())
         });
         Self {
             turns: turns.collect(),
+            orientations: orientations.collect(),
             velocities: velocities.collect(),
         }
     }
 
     /// By how much another differs at most; infinitely where it has other times.
     pub fn distance(&self, other: &Self) -> f64 {
-        let turns = distance(&self.turns, &other.turns, |a, b| {
+        let between_angles = |a: f64, b: f64| {
             let difference = (a - b).abs() % TAU;
             difference.min(TAU - difference)
-        });
-        turns.max(distance(&self.velocities, &other.velocities, |a, b| {
-            (a - b).abs()
-        }))
+        };
+        [
+            distance(&self.turns, &other.turns, between_angles),
+            distance(&self.orientations, &other.orientations, between_angles),
+            distance(&self.velocities, &other.velocities, |a, b| (a - b).abs()),
+        ]
+        .into_iter()
+        .fold(0.0, f64::max)
     }
+}
+
+/// Roll, pitch and yaw of a rotation.
+fn angles(r: &Matrix3<f64>) -> [f64; 3] {
+    let roll = r[(2, 1)].atan2(r[(2, 2)]);
+    let pitch = (-r[(2, 0)]).atan2(r[(2, 1)].hypot(r[(2, 2)]));
+    let yaw = r[(1, 0)].atan2(r[(0, 0)]);
+    [roll, pitch, yaw]
 }
 
 fn distance(one: &Series, other: &Series, distance: impl Fn(f64, f64) -> f64) -> f64 {

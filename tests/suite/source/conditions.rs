@@ -169,13 +169,17 @@ fn messages() -> Vec<Value> {
 
 #[test]
 fn the_error_says_what_was_found_and_what_was_wanted() {
-    let folder = Folder::with(LOG, log(&[topic("/a", messages())]));
+    let mut messages = messages();
+    // The one that satisfies the conditions is no attitude.
+    messages[3]["q"] = json!([0, 0, 0, 0]);
+    let folder = Folder::with(LOG, log(&[topic("/a", messages)]));
     folder.add("mine.toml", ONLY_NED);
     let found = "frame was 2 (2 times), 3 (once), wanted 1; name was \"enu\" (2 times), \"\\u{1b}x\" (once), wanted \
                  \"ned\"; flags was 4 (2 times), 5 (once), wanted any bit of 48";
     let arguments = format!("enrich {LOG} --depression 30 --profile mine.toml");
     let message = format!(
-        "nothing can be derived … /a has 1 of 4 usable, 3 left out by the profile's conditions (`when`); {found}"
+        "nothing can be derived … /a has 0 of 4 usable, 3 left out by the profile's conditions (`when`), \
+         1 with a quaternion that is not a rotation; {found}"
     );
     folder.refuses(&arguments, 1, &message);
     let (out, _) = folder.run(&format!("inspect {LOG} --profile mine.toml"), 1);

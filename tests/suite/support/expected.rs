@@ -1,6 +1,6 @@
 //! Results against numbers that were computed independently.
 
-use super::{ReadMessage, message::DerivedMessage};
+use super::{ReadMessage, message::DerivedMessage, orientations::check_orientations};
 
 /// A row of the expected results: topic, log time, three numbers.
 type Row = (String, u64, [f64; 3]);
@@ -32,14 +32,17 @@ fn derived(messages: Vec<ReadMessage>) -> Vec<Row> {
             (decoded.stamp, decoded.frame_id.as_str()),
             (message.log_time, frame_id)
         );
-        (message.topic, message.log_time, decoded.numbers)
+        (message.topic, message.log_time, decoded.triple())
     };
     messages.into_iter().map(row).collect()
 }
 
-/// Checks the new messages of a result against a table of their numbers, to 1e-9.
+/// Checks the new messages of a result: the rotations and velocities against a table of their numbers, to 1e-9, and the
+/// orientations, which the table does not have, by the rotations between them.
 #[track_caller]
-pub fn assert_as_expected(messages: Vec<ReadMessage>, csv: &str) {
+pub fn assert_as_expected(mut messages: Vec<ReadMessage>, csv: &str) {
+    check_orientations(&messages);
+    messages.retain(|message| message.topic != "/camera/orientation");
     let mut expected = expected(csv);
     let mut derived = derived(messages);
     let key = |row: &Row| (row.0.clone(), row.1);

@@ -16,7 +16,11 @@ use sha2::{Digest, Sha256};
 use super::{Parts, ReadMessage, Shape, enrich_bytes};
 
 /// The topics that enriching adds.
-pub const DERIVED: [&str; 2] = ["/camera/relative_rpy", "/camera/velocity"];
+pub const DERIVED: [&str; 3] = [
+    "/camera/relative_rpy",
+    "/camera/orientation",
+    "/camera/velocity",
+];
 
 /// Every message in the order of the file, read as a stream, with all checksums checked.
 pub fn stream(log: &[u8], torn: bool) -> Vec<ReadMessage> {

@@ -15,6 +15,7 @@ pub mod manoeuvres;
 pub mod markdown;
 pub mod message;
 pub mod numbered;
+pub mod orientations;
 pub mod parts;
 pub mod piping;
 pub mod random_topics;

@@ -3,6 +3,8 @@
 //! Times are seconds and angles degrees. The camera of most tests looks at the horizon: a relative rotation
 //! is then a yaw by the step of the heading, and a drone that flies north sees where its camera heads.
 
+mod orientation;
+
 use flightcam::camera::Camera;
 use flightcam::derived::{Derived, Quantity, Value};
 use flightcam::geometry::{DepressionAngle, RollPitchYaw};
@@ -139,6 +141,21 @@ impl Run {
         self.derived.iter().filter_map(turn).collect()
     }
 
+    /// The orientations: time, and where the camera heads (0 to 360), which is all there is at the horizon.
+    fn directions(&self) -> Vec<(f64, f64)> {
+        let direction = |derived: &Derived| match derived.value {
+            Value::Orientation(r_ned_camera) => {
+                let [ahead, right] =
+                    [0, 1].map(|axis| r_ned_camera.matrix().column(axis).into_owned());
+                assert!(ahead.z.abs() < 1e-12 && right.z.abs() < 1e-12);
+                let heading = rounded(ahead.y.atan2(ahead.x).to_degrees());
+                Some((seconds(derived.stamp.log_time), heading.rem_euclid(360.0)))
+            }
+            _ => None,
+        };
+        self.derived.iter().filter_map(direction).collect()
+    }
+
     /// The velocities: time, and where the camera heads (0 to 360) if the velocity was one to the north.
     fn headings(&self) -> Vec<(f64, f64)> {
         let heading = |derived: &Derived| match derived.value {
@@ -173,7 +190,7 @@ mod relative_rotation {
     #[test]
     fn the_rotation_is_that_of_the_tilted_camera() {
         let run = run_at_depression(90.0, &[yaw(1.0, 10.0), yaw(2.0, 40.0)]);
-        let Value::RelativeRpy { rpy, .. } = run.derived[0].value else {
+        let Value::RelativeRpy { rpy, .. } = run.derived[1].value else {
             panic!("not a rotation: {:?}", run.derived);
         };
         let degrees = [rpy.roll, rpy.pitch, rpy.yaw].map(|angle| rounded(angle.to_degrees()));
@@ -266,7 +283,7 @@ mod velocity {
     fn a_velocity_is_in_the_axes_of_the_tilted_camera() {
         let sinking = velocity(1.0, [0.0, 0.0, 2.0]);
         let run = run_at_depression(90.0, &[yaw(1.0, 30.0), sinking]);
-        let Value::CameraVelocity(velocity) = run.derived[0].value else {
+        let Value::CameraVelocity(velocity) = run.derived[1].value else {
             panic!("not a velocity: {:?}", run.derived);
         };
         assert!((velocity - Vector3::new(2.0, 0.0, 0.0)).norm() < 1e-12);
@@ -389,12 +406,14 @@ mod simultaneous_samples {
     }
 
     #[test]
-    fn the_rotation_comes_before_the_velocity_and_all_comes_in_time_order() {
+    fn rotation_orientation_and_velocity_come_in_this_order_and_all_in_time_order() {
         let run = run(&[yaw(1.0, 0.0), north(1.5), yaw(2.0, 0.0), north(2.0)]);
         let order = run.derived.iter().map(|d| (d.stamp, d.quantity()));
         let expected = [
+            (at(1.0), Quantity::Orientation),
             (at(1.5), Quantity::CameraVelocity),
             (at(2.0), Quantity::RelativeRpy),
+            (at(2.0), Quantity::Orientation),
             (at(2.0), Quantity::CameraVelocity),
         ];
         assert!(order.eq(expected), "{:?}", run.derived);
@@ -461,6 +480,7 @@ proptest! {
         prop_assert_eq!(attitude.total(), pushed(Kind::Attitude));
         prop_assert_eq!(velocity.total(), pushed(Kind::Velocity));
         prop_assert_eq!(made(Quantity::CameraVelocity), velocity.used);
+        prop_assert_eq!(made(Quantity::Orientation), attitude.used);
         let with_a_predecessor = attitude.used.saturating_sub(1);
         let rotations_and_breaks = made(Quantity::RelativeRpy) + breaks.gaps + breaks.resets;
         prop_assert_eq!(rotations_and_breaks, with_a_predecessor);
@@ -478,12 +498,15 @@ proptest! {
             let (kind, numbers) = match value {
                 Value::RelativeRpy { interval, rpy } => {
                     prop_assert!(interval > 0 && seconds(interval) <= MAX_GAP);
-                    (Kind::Attitude, [rpy.roll, rpy.pitch, rpy.yaw])
+                    (Kind::Attitude, vec![rpy.roll, rpy.pitch, rpy.yaw])
                 }
-                Value::CameraVelocity(velocity) => (Kind::Velocity, velocity.into()),
+                Value::Orientation(r_ned_camera) => {
+                    (Kind::Attitude, r_ned_camera.matrix().as_slice().to_vec())
+                }
+                Value::CameraVelocity(velocity) => (Kind::Velocity, velocity.as_slice().to_vec()),
                 other => panic!("a value of a new kind: {other:?}"),
             };
-            prop_assert!(numbers.into_iter().all(f64::is_finite), "{numbers:?}");
+            prop_assert!(numbers.iter().all(|number| number.is_finite()), "{numbers:?}");
             prop_assert!(samples.iter().any(|s| (s.stamp(), s.kind()) == (stamp, kind)));
         }
     }

@@ -183,7 +183,7 @@ fn nothing_is_taken_across_a_step_of_the_clock() {
     }
     // The attitudes after the last position have waited for the next.
     transform.begin_epoch(&mut derived);
-    assert_eq!(derived.len(), 8);
+    assert_eq!(derived.len(), 8 + 7 + 1, "orientations, turns, a velocity");
     for sample in epoch() {
         transform.push(sample, &mut derived);
     }
@@ -304,7 +304,9 @@ fn what_waits_for_a_position_that_never_comes_is_derived_all_the_same() {
     samples.extend(northwards([1.1, 1.2]));
     let run = run_all(samples);
     let quantities: Vec<Quantity> = run.derived.iter().map(Derived::quantity).collect();
-    assert_eq!(quantities, [Quantity::RelativeRpy; 3]);
+    let later = [Quantity::RelativeRpy, Quantity::Orientation].repeat(3);
+    assert_eq!(quantities[..1], [Quantity::Orientation]);
+    assert_eq!(quantities[1..], later);
     assert_eq!(run.outcome.tallies[Kind::Attitude].used, 4);
 }
 
@@ -358,7 +360,7 @@ proptest! {
     #![proptest_config(crate::support::cases(100))]
 
     #[test]
-    fn any_stream_gives_its_velocities_in_order_and_leaves_its_turns_as_they_are(
+    fn any_stream_gives_its_velocities_in_order_and_leaves_the_rest_as_it_is(
         mut samples in any_stream(),
     ) {
         // So that an attitude is known everywhere.
@@ -380,11 +382,11 @@ proptest! {
 
         let is_attitude = |sample: &Sample| sample.kind() == Kind::Attitude;
         let without = run_all(samples.into_iter().filter(is_attitude).collect());
-        let turns = |run: &Run| -> Vec<Derived> {
-            let is_turn = |derived: &&Derived| derived.quantity() == Quantity::RelativeRpy;
-            run.derived.iter().filter(is_turn).copied().collect()
+        let of_attitudes = |run: &Run| -> Vec<Derived> {
+            let is_velocity = |derived: &&Derived| derived.quantity() == Quantity::CameraVelocity;
+            run.derived.iter().filter(|derived| !is_velocity(derived)).copied().collect()
         };
-        prop_assert_eq!(turns(&with), turns(&without));
+        prop_assert_eq!(of_attitudes(&with), of_attitudes(&without));
     }
 }
 
@@ -401,5 +403,6 @@ fn nothing_waits_for_longer_than_the_maximum_gap() {
         derived_at(sample);
     }
     let counts = [1.0, 2.0, 3.0, 4.0, 5.0, 5.3, 6.0].map(|t| derived_at(attitude(t, 0.0)));
-    assert_eq!(counts, [0, 0, 0, 0, 0, 5, 6]);
+    // An orientation of each, and a turn to each but the first.
+    assert_eq!(counts, [0, 0, 0, 0, 0, 6 + 5, 7 + 6]);
 }

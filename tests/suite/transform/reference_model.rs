@@ -35,6 +35,7 @@ mod model {
 
     pub enum Value {
         Turn { interval: u64, turn: Rotation3<f64> },
+        Orientation(Rotation3<f64>),
         Velocity(Vector3<f64>),
     }
 
@@ -213,6 +214,11 @@ mod model {
                     });
                 }
             }
+            derived.push(Derived {
+                stamp,
+                value: Value::Orientation(camera.to_rotation_matrix()),
+                tolerance: TOLERANCE + error,
+            });
         }
         Expected { derived, outcome }
     }
@@ -302,6 +308,9 @@ fn is_as_expected(actual: &Derived, expected: &model::Derived) -> bool {
         ) => {
             let error = (rpy.to_rotation().matrix() - turn.matrix()).norm();
             interval == *as_long && error < expected.tolerance
+        }
+        (Value::Orientation(actual), model::Value::Orientation(orientation)) => {
+            (actual.matrix() - orientation.matrix()).norm() < expected.tolerance
         }
         (Value::CameraVelocity(actual), model::Value::Velocity(velocity)) => {
             (actual - velocity).norm() < expected.tolerance

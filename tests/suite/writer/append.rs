@@ -25,7 +25,7 @@ fn the_demonstration_log_keeps_all_that_it_had() {
     let log = std::fs::read(repository("fixtures/survey_flight.mcap")).expect("the fixture");
     let (result, report) = enrich_bytes(&log).expect("the fixture is enriched");
     let derived = judge(&log, &result, false);
-    assert_eq!(derived.len(), 3309 + 3310);
+    assert_eq!(derived.len(), 3309 + 3310 + 3310);
     assert_eq!(report.bytes_added, result.len() as i64 - log.len() as i64);
     assert_ne!(
         Parts::of(&log).data_section_crc,
@@ -277,10 +277,10 @@ fn fields_that_a_later_format_appends_to_summary_records_survive() {
 #[test]
 fn ids_are_the_next_above_the_largest_or_the_lowest_free() {
     for (channel_ids, schema_id, new_channels, new_schemas) in [
-        ([1, 2], 1, [3, 4], [2, 3]),
-        ([0, 1], 5, [2, 3], [6, 7]),
-        ([65535, 0], 65535, [1, 2], [1, 2]),
-        ([65534, 3], 65534, [65535, 0], [65535, 1]),
+        ([1, 2], 1, [3, 4, 5], [2, 3, 4]),
+        ([0, 1], 5, [2, 3, 4], [6, 7, 8]),
+        ([65535, 0], 65535, [1, 2, 3], [1, 2, 3]),
+        ([65534, 3], 65534, [65535, 0, 1], [65535, 1, 2]),
     ] {
         let shape = Shape {
             channel_ids,
@@ -301,10 +301,12 @@ fn ids_are_the_next_above_the_largest_or_the_lowest_free() {
             let channel = channel.expect("the new channel");
             (channel.id, channel.schema.as_ref().expect("its schema").id)
         });
-        // The velocity comes first: the first attitude has no rotation yet.
-        let [(rotation, rotation_schema), (velocity, velocity_schema)] = new;
-        assert_eq!([velocity, rotation], new_channels);
-        assert_eq!([velocity_schema, rotation_schema], new_schemas);
+        // The rotation comes last: the first attitude has none yet.
+        let [rotation, orientation, velocity] = new;
+        let (channels, schemas): (Vec<u16>, Vec<u16>) =
+            [orientation, velocity, rotation].into_iter().unzip();
+        assert_eq!(channels, new_channels);
+        assert_eq!(schemas, new_schemas);
     }
 }
 

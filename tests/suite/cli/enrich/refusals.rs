@@ -256,29 +256,33 @@ fn the_input_is_never_replaced_however_it_is_spelled() {
 }
 
 #[test]
-fn a_log_without_a_usable_sample_is_refused_with_the_counts() {
-    for (count, missing, rotations, velocities) in [
-        (
-            1,
-            "vx",
-            "has 1 of 1",
-            "0 of 1 usable, 1 without a field that is needed",
-        ),
-        (
-            50,
-            "yaw",
-            "has 0 of 50 usable, 50 without a field",
-            "50 before",
-        ),
-    ] {
-        let states = states_without(count, missing);
-        let message = format!(
-            "{LOG}: nothing can be derived … /camera/relative_rpy: … /drone/state {rotations} … \
-             /camera/velocity: … /drone/state has … {velocities}"
-        );
-        let folder = Folder::with(LOG, log(&[topic("/drone/state", states)]));
-        folder.refuses(&enrich(""), 1, &message);
-    }
+fn a_log_without_a_usable_attitude_is_refused_with_the_counts() {
+    let states = states_without(50, "yaw");
+    let message = format!(
+        "{LOG}: nothing can be derived … \
+         /camera/relative_rpy: at least two usable … /drone/state has 0 of 50 usable, 50 without a field … \
+         /camera/orientation: at least one usable … /drone/state has 0 of 50 usable, 50 without a field … \
+         /camera/velocity: … /drone/state has … 50 before"
+    );
+    let folder = Folder::with(LOG, log(&[topic("/drone/state", states)]));
+    folder.refuses(&enrich(""), 1, &message);
+}
+
+#[test]
+fn one_usable_attitude_is_enough_for_an_orientation() {
+    let states = states_without(1, "vx");
+    let folder = Folder::with(LOG, log(&[topic("/drone/state", states)]));
+    let report = folder.writes(RESULT, &enrich(""), 0);
+    assert_reads(
+        &report,
+        "Written     /camera/orientation: 1 message\n … \
+         Not written /camera/relative_rpy: at least two usable … /drone/state has 1 of 1 usable … \
+         Not written /camera/velocity: … 0 of 1 usable, 1 without a field that is needed … \
+         plot /camera/orientation.yaw.",
+    );
+    let counts = [("/camera/orientation", 1), ("/drone/state", 1)];
+    let counts = counts.map(|(topic, count)| (topic.to_owned(), count));
+    assert_eq!(count_messages(&folder.read(RESULT)), counts.into());
 }
 
 #[test]
@@ -291,10 +295,12 @@ fn damage_found_halfway_leaves_no_output() {
 
 #[test]
 fn a_topic_of_the_same_name_that_is_not_flightcams_is_refused() {
-    let foreign = topic("/camera/velocity", [json!({ "x": 1.0 })]);
-    let log = log(&[topic("/drone/state", states(5, 1.0)), foreign]);
-    let message = "flight.mcap: … /camera/velocity … flightcam did not write … rename or remove";
-    Folder::with(LOG, log).refuses(&enrich(""), 1, message);
+    for name in DERIVED {
+        let foreign = topic(name, [json!({ "x": 1.0 })]);
+        let log = log(&[topic("/drone/state", states(5, 1.0)), foreign]);
+        let message = format!("flight.mcap: … {name} … flightcam did not write … rename or remove");
+        Folder::with(LOG, log).refuses(&enrich(""), 1, &message);
+    }
 }
 
 #[test]

@@ -13,9 +13,9 @@ fn the_result_is_next_to_the_log_and_the_report_says_how_it_was_made() {
          30° below the horizon … \
          Attitude … /drone/state: 3,310 of 3,310 samples used … \
          Velocity … /drone/state: 3,310 of 3,310 samples used … \
-         /camera/relative_rpy: 3,309 messages … /camera/velocity: 3,310 messages … \
-         unchanged … added … flight.enriched.mcap … \
-         Foxglove … /camera/relative_rpy.yaw … /camera/velocity.x",
+         /camera/relative_rpy: 3,309 messages … /camera/orientation: 3,310 messages … \
+         /camera/velocity: 3,310 messages … unchanged … added … flight.enriched.mcap … \
+         Foxglove … plot /camera/relative_rpy.yaw, /camera/orientation.yaw and /camera/velocity.x.",
     );
     let bytes = report.lines().find(|line| line.contains("added"));
     let words = bytes.unwrap().split(' ').map(|word| word.replace(',', ""));
@@ -75,6 +75,7 @@ fn the_json_report_has_every_number() {
         "breaks": { "gaps": 0, "resets": 0, "clock_steps": 0 },
         "written": [
             { "topic": "/camera/relative_rpy", "schema": "flightcam.v1.RelativeRpy", "messages": 3309 },
+            { "topic": "/camera/orientation", "schema": "flightcam.v1.CameraOrientation", "messages": 3310 },
             { "topic": "/camera/velocity", "schema": "flightcam.v1.CameraVelocity", "messages": 3310 },
         ],
         "not_written": [],
@@ -120,7 +121,7 @@ fn a_run_that_takes_a_while_draws_no_progress_bar_into_a_pipe() {
 }
 
 #[test]
-fn a_log_without_velocity_yields_rotations_and_the_reason() {
+fn a_log_without_velocity_yields_rotations_and_orientations_and_the_reason() {
     for (missing, arguments, reason) in [
         ("altitude", "--profile mine.toml", "`mine` has no velocity"),
         (
@@ -136,7 +137,13 @@ fn a_log_without_velocity_yields_rotations_and_the_reason() {
         let reason = format!("Not written … /camera/velocity: … {reason}");
         assert_reads(&report, "Written … /camera/relative_rpy: 49 messages");
         assert_reads(&report, &reason);
-        let counts = [("/camera/relative_rpy", 49), ("/drone/state", 50)];
+        let to_plot = "plot /camera/relative_rpy.yaw and /camera/orientation.yaw.";
+        assert_reads(&report, to_plot);
+        let counts = [
+            ("/camera/relative_rpy", 49),
+            ("/camera/orientation", 50),
+            ("/drone/state", 50),
+        ];
         let counts = counts.map(|(topic, count)| (topic.to_owned(), count));
         assert_eq!(count_messages(&folder.read(RESULT)), counts.into());
     }
@@ -159,6 +166,7 @@ fn a_truncated_log_is_enriched_up_to_its_end_with_exit_code_3() {
     let counts = count_messages(&folder.read(RESULT));
     assert_eq!(counts["/drone/state"], used);
     assert_eq!(counts["/camera/relative_rpy"], used - 1);
+    assert_eq!(counts["/camera/orientation"], used);
     assert_eq!(counts["/camera/velocity"], used);
 }
 
