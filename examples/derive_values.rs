@@ -6,7 +6,7 @@
 
 use std::{env, error::Error, ops::ControlFlow};
 
-use flightcam::{DepressionAngle, Options, Value, derive};
+use flightcam::{DepressionAngle, Options, Value, derive, geometry::RollPitchYaw};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let input = env::args().nth(1).ok_or("the argument is a log")?;
@@ -17,6 +17,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             match derived.value {
                 Value::RelativeRpy { rpy, .. } => {
                     println!("{time:.3} rotation {} {} {}", rpy.roll, rpy.pitch, rpy.yaw);
+                }
+                Value::Orientation(r_ned_camera) => {
+                    let rpy = RollPitchYaw::from_rotation(&r_ned_camera);
+                    println!(
+                        "{time:.3} orientation {} {} {}",
+                        rpy.roll, rpy.pitch, rpy.yaw
+                    );
                 }
                 Value::CameraVelocity(velocity) => {
                     println!(
