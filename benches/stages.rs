@@ -94,14 +94,15 @@ fn append(criterion: &mut Criterion) {
     for encoding in Encoding::ALL {
         let format = Format {
             encoding,
-            channel_metadata: BTreeMap::new(),
+            quality_of_service: String::new(),
+            has_transforms: false,
         };
         group.bench_function(encoding.name(), |bencher| {
             bencher.iter(|| {
                 let appender = Appender::begin(&log, io::sink(), PathBuf::new(), format.clone());
                 let mut appender = Box::new(appender.expect("a writer"));
                 for derived in &derived {
-                    appender.write(derived).expect("written");
+                    appender.write(derived.into()).expect("written");
                 }
                 appender.finish(BTreeMap::new()).expect("a result")
             });

@@ -7,6 +7,7 @@ mod enrich;
 mod hint;
 mod input_output;
 mod inspect;
+mod layout;
 mod manual;
 mod print;
 mod profiles;
@@ -14,6 +15,7 @@ mod progress;
 mod report;
 mod restore;
 mod telemetry;
+mod visuals;
 mod words;
 
 use std::{path::Path, process::ExitCode};
@@ -46,6 +48,7 @@ enum Command {
     Enrich(enrich::Arguments),
     Inspect(inspect::Arguments),
     Check(check::Arguments),
+    Layout(layout::Arguments),
     Restore(restore::Arguments),
     Profiles(profiles::Arguments),
     Completions(completions::Arguments),
@@ -85,6 +88,7 @@ pub fn run() -> ExitCode {
         Command::Enrich(arguments) => enrich::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Layout(arguments) => layout::run(&arguments),
         Command::Restore(arguments) => restore::run(&arguments),
         Command::Profiles(arguments) => profiles::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

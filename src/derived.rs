@@ -1,5 +1,7 @@
 //! What flows from the transform to the writer: the camera's motion, one moment at a time.
 
+pub mod visual;
+
 use std::collections::BTreeSet;
 
 use nalgebra::{Rotation3, Vector3};

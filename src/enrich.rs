@@ -17,6 +17,7 @@ mod job;
 mod judge;
 mod log_sink;
 mod plan;
+mod showing;
 pub(crate) mod stream;
 mod target;
 
@@ -30,11 +31,12 @@ use crate::{
     report::{Derivation, DeriveReport, Findings, Report},
     run::{Input, Left, Output, Run, RunError, Stopped},
     source::stream_filter::StreamFilter,
-    writer::original::Original,
+    writer::{Layout, original::Original},
 };
 use job::{Batch, Job};
 use judge::judge;
 use plan::Plan;
+use showing::{Showing, Staging};
 use target::Target;
 
 /// Receives the derived values epoch by epoch, each in the order of their times, for example a log writer.
@@ -85,7 +87,7 @@ fn enrich_log(
     run: &Run,
 ) -> Result<Report, Stopped> {
     let original = Original::of(Log::read(file)?)?;
-    original.check_topics_are_free()?;
+    original.check_are_free(options.topics())?;
     let plan = Plan::new(&original.log, options)?;
     write(&original, &original.log, plan, target, options, run)
 }
@@ -110,9 +112,24 @@ fn write(
     run.expect(target.bytes_to_copy(&original.log));
     thread::scope(|scope| {
         let _at_end = run.cancel_at_end();
-        let mut job = Job::start(scope, telemetry, source, camera, options, run)?;
-        let findings =
-            |derivation: Derivation| Findings::new(original, options, camera, encoding, derivation);
+        let start =
+            |source, flight| Job::start(scope, telemetry, source, camera, options, flight, run);
+        let findings = |derivation: Derivation| {
+            let format = format.clone();
+            Findings::new(original, options, camera, encoding, format, derivation)
+        };
+        let staging = Staging::new(telemetry, options)?;
+        let mut staged = match &staging {
+            // What is shown goes among the log's chunks, so it has to be known first.
+            Some(staging) if options.layout == Layout::Interleaved => {
+                let job = start(source.clone(), Some(staging.recorder()))?;
+                let flight = job.run_to_end()?.flight;
+                flight.map(|flight| staging.stage(flight)).transpose()?
+            }
+            _ => None,
+        };
+        let recorder = staging.as_ref().filter(|_| staged.is_none());
+        let mut job = start(source, recorder.map(Staging::recorder))?;
         // If nothing can be derived, nothing is created.
         let Some(first) = job.next() else {
             let derivation = job.finish()?;
@@ -121,18 +138,29 @@ fn write(
             return Err(nothing_derived(&findings, &original.log).into());
         };
 
-        let mut sink = target.begin(scope, &original.log, format, run)?;
+        let mut sink = target.begin(scope, &original.log, format.clone(), run)?;
         sink.writer.divide(&job.epoch_starts);
+        sink.showing = (staged.as_ref()).map(|flight| Showing::start(scope, flight));
         let derivation = sink.take(&first).and_then(|()| job.feed(&mut sink));
         match derivation {
-            Ok(derivation) => {
+            Ok(mut derivation) => {
                 let oddities = match judge(&derivation, &original.log, options) {
                     Ok(oddities) => oddities,
                     Err(error) => return Err(sink.give_up(error)),
                 };
+                if let (Some(staging), Some(flight)) = (&staging, derivation.flight.take()) {
+                    let flight = match staging.stage(flight) {
+                        Ok(flight) => flight,
+                        Err(error) => return Err(sink.give_up(error.into())),
+                    };
+                    sink.showing = Some(Showing::start(scope, &flight));
+                    staged = Some(flight);
+                }
+                sink.show_rest()?;
                 let findings = findings(derivation)
                     .with(oddities)
-                    .with_positions(telemetry);
+                    .with_positions(telemetry)
+                    .showing(staged, staging.and_then(|staging| staging.calibration));
                 let (written, grown_by) = sink.finish(findings.facts())?;
                 Ok(findings.report(output, written, grown_by))
             }
@@ -160,7 +188,7 @@ pub fn derive<'a>(
         let Plan { source, camera, .. } = Plan::new(&log, options)?;
         thread::scope(|scope| {
             let _at_end = run.cancel_at_end();
-            let mut job = Job::start(scope, &log, source, camera, options, &run)?;
+            let mut job = Job::start(scope, &log, source, camera, options, None, &run)?;
             for batch in &mut job {
                 if take(&batch.values).is_break() {
                     return Ok(None);

@@ -6,6 +6,7 @@ pub use crate::{
         fault::{Content, Fault},
         path::NotAPath,
     },
+    layout::LayoutError,
     log::{ChunkFault, Damage, ForeignFormat, ReadError, RecordKind},
     run::{Left, RunError},
     source::{
@@ -22,7 +23,7 @@ pub use crate::{
     },
 };
 
-/// Why a log could not be enriched, inspected or restored. Every message says what is wrong, and where.
+/// Why a log could not be enriched, inspected or restored, or has no layout. Every message says what is wrong, and where.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -49,6 +50,10 @@ pub enum Error {
     /// The log cannot be changed in place, or cannot be restored.
     #[error(transparent)]
     Journal(JournalError),
+
+    /// There is no layout for the log.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
 
     /// The run has no result.
     #[error(transparent)]

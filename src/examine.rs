@@ -112,7 +112,7 @@ fn examine(log: &Log, options: &Options, run: &Run) -> Result<CheckReport, Stopp
         ..claims(log, &source)
     };
     let findings = longest.recorder.judge(&claims);
-    let kinds = || Kind::ALL.into_iter();
+    let kinds = || Kind::CHECKED.into_iter();
     let grown_by = log.file.grown_by()?;
     let unreadable: u64 = kinds().map(|kind| used[kind].unreadable()).sum();
     let notes = [
@@ -148,5 +148,5 @@ fn by_kind<S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     let of_log = |kind: &Kind| samples.get(kind).filter(|report| report.topic.is_some());
-    serializer.collect_map(Kind::LISTED.into_iter().map(|kind| (kind, of_log(&kind))))
+    serializer.collect_map(Kind::CHECKED.into_iter().map(|kind| (kind, of_log(&kind))))
 }

@@ -15,6 +15,7 @@
 
 pub mod axes;
 pub mod geodetic;
+pub mod local_frame;
 
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 

@@ -270,7 +270,10 @@ pub struct TopicGroup {
 /// not an error but a finding.
 pub fn inspect<'a>(input: impl Into<Input<'a>>, options: &Options) -> Result<Inspection, Error> {
     let original = Original::of(Log::read(input.into().open(Access::Read, &options.watch)?)?)?;
-    let mut problem = original.check_topics_are_free().err().map(Error::from);
+    let mut problem = original
+        .check_are_free(options.topics())
+        .err()
+        .map(Error::from);
     let log = original.log;
     let notes = [
         Note::on_recovery(&log),

@@ -11,7 +11,8 @@
 //!
 //! [`enrich`] reads an [`Input`] and writes to an [`Output`]; a path is either of them. [`derive()`] gives the values
 //! without writing them. [`check()`] says whether a log's own numbers bear out how it is read, [`inspect`] what a log file
-//! contains, [`topics`] lists its topics, and [`restore`] undoes what `enrich` did to one.
+//! contains, [`topics`] lists its topics, [`layout`] makes the layout in which a viewer shows an enriched one, and
+//! [`restore`] undoes what `enrich` did to one.
 //! [`Options`] say how the camera is mounted and, with a [`Request`] or a [`profile::Profile`], where the log has its
 //! telemetry.
 //!
@@ -38,18 +39,19 @@
 //! | `text` | text that flightcam did not write, as people get to read it | nothing |
 //! | `similar` | names that were likely meant, where one is not there | nothing |
 //! | `geometry` | frames and rotations: pure functions | nothing |
-//! | `sample` | what flows from reader to transform | nothing |
+//! | `sample` | what flows from reader to transform | geometry |
 //! | `derived` | what flows from transform to writer | geometry, sample |
 //! | `camera` | how the camera is mounted on the drone | geometry, sample, derived |
 //! | `transform` | samples → derived values, a state machine without I/O | the four above |
 //! | `check` | samples → what a flight's own numbers say about how its log was read, without I/O | geometry, sample |
+//! | `visuals` | samples and what the transform knows of them → what viewers are shown, without I/O | geometry, sample, derived, transform |
 //! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nothing |
 //! | `log` | the MCAP container: what a log contains and where, its messages | fs, text |
 //! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log, similar |
-//! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry, similar |
+//! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry, similar; messages, to leave out what flightcam wrote |
 //! | `clock` | where the time of a log's messages goes back for good: its epochs | log, source, sample |
 //! | `reader` | log + source → samples in time order, epoch by epoch | log, source, sample, clock |
-//! | `messages` | how derived values are written: a file for each message type, in protobuf, JSON and ROS 2 | geometry, derived |
+//! | `messages` | how derived values and what viewers are shown are written: a file for each message type, in protobuf, JSON and ROS 2 | geometry, derived |
 //! | `writer` | derived values → channels added to a log; the journal of a change in place; the original that an enriched log carries | fs, log, derived, messages |
 //! | `watch` | progress and cancellation | writer |
 //! | `options` | what the caller decides about a run | camera, source, transform, messages, writer, watch |
@@ -59,6 +61,7 @@
 //! | `examine` | a log's telemetry → what `check` says about how it was read | log, source, reader, check, enrich, report |
 //! | `restore` | an enriched log → the original | log, writer, run |
 //! | `inspect` | what a log contains and what `enrich` would produce | all but transform, reader and enrich |
+//! | `layout` | an enriched log → the layout in which a viewer shows it | text, log, decode, source, derived, visuals, messages, writer, report, run |
 //! | `error` | the errors of all layers, joined; what runs end with | their errors |
 //! | `cli` | in the binary: arguments → options → run → words | the interface |
 //!
@@ -91,6 +94,8 @@ pub mod examine;
 #[doc(hidden)]
 pub mod inspect;
 #[doc(hidden)]
+pub mod layout;
+#[doc(hidden)]
 pub mod log;
 #[doc(hidden)]
 pub mod messages;
@@ -113,6 +118,8 @@ pub mod text;
 #[doc(hidden)]
 pub mod transform;
 #[doc(hidden)]
+pub mod visuals;
+#[doc(hidden)]
 pub mod watch;
 #[doc(hidden)]
 pub mod writer;
@@ -121,8 +128,9 @@ pub mod writer;
 pub mod profile {
     pub use crate::source::profile::{
         AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Components, Condition,
-        Coordinates, Euler, GimbalFields, Location, OptionalField, Orientation, Pitch, Profile,
-        Quaternion, RoleFields, SampleTime, Test, TimeField, VelocityFields, Written,
+        Coordinates, Euler, GimbalFields, HeightFields, Location, OptionalField, Orientation,
+        Pitch, Profile, Quaternion, RoleFields, SampleTime, Test, TimeField, VelocityFields,
+        Written,
         convention::{
             AccelerationUnit, AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit,
             NotAConvention, NotAxes, PositiveDirection, QuaternionOrder, RateUnit, SpeedUnit,
@@ -151,11 +159,13 @@ pub use inspect::{
     FarMessages, FastTopic, FirstSample, FoundRole, Inspection, ListedTopic, Planned, Problem,
     RoleReport, Telemetry, TopicGroup, TopicList, ViewerWarning, inspect, topics,
 };
+pub use layout::{LayoutError, Viewer, ViewerLayout, layout};
 pub use messages::{Encoding, EncodingChoice};
 pub use options::Options;
 pub use report::{
-    CameraReport, Chosen, DeriveReport, EncodingReport, MissingReason, MissingTopic, Note,
-    ProfileReport, Report, SampleReport, WrittenTopic,
+    CameraReport, Chosen, DeriveReport, EncodingReport, FieldOfViewReport, GroundBecause,
+    GroundReport, Lack, MissingReason, MissingTopic, Note, ProfileReport, Report, SampleReport,
+    VisualsReport, WrittenTopic,
 };
 pub use restore::{Restored, restore};
 pub use run::{Input, Output};
@@ -170,6 +180,10 @@ pub use source::{
 pub use text::Foreign;
 pub use transform::{
     Breaks, MaxGap, MaxGapOutOfRange, MinInterval, MinIntervalOutOfRange, Motion, Sighting,
+};
+pub use visuals::{
+    FieldOfView, FieldOfViewOutOfRange, Ground, Reach, ReachOutOfRange, VisualOptions, VisualRate,
+    VisualRateOutOfRange,
 };
 pub use watch::{Progress, Watch};
 pub use writer::{Layout, provenance::EarlierRun};

@@ -4,11 +4,13 @@ use std::{collections::BTreeSet, ops::ControlFlow};
 
 use crate::{
     camera::{Camera, CameraError, Mount},
+    derived::{Quantity, visual::VisualTopic},
     geometry::DepressionAngle,
-    messages::EncodingChoice,
+    messages::{EncodingChoice, Topic},
     sample::Kind,
     source::{Source, request::Request},
     transform::{MaxGap, MinInterval},
+    visuals::VisualOptions,
     watch::{Progress, Watch},
     writer::{
         Layout,
@@ -38,6 +40,7 @@ pub struct Options {
     pub(crate) telemetry: Request,
     pub(crate) encoding: EncodingChoice,
     pub(crate) layout: Layout,
+    pub(crate) visuals: Option<VisualOptions>,
     pub(crate) watch: Watch,
 }
 
@@ -99,6 +102,14 @@ impl Options {
         Self { layout, ..self }
     }
 
+    /// What viewers are shown beside the camera's motion; by default nothing.
+    pub fn visuals(self, visuals: impl Into<Option<VisualOptions>>) -> Self {
+        Self {
+            visuals: visuals.into(),
+            ..self
+        }
+    }
+
     /// Calls `watch` with the progress of the run, about twenty times a second or more. If it returns `Break`, the run
     /// ends with an error and leaves everything as it was.
     ///
@@ -130,14 +141,35 @@ impl Options {
         }
     }
 
-    /// The kinds of sample from which a camera's motion is derived.
+    /// The topics that a run may write, and that the log therefore must not have.
+    pub(crate) fn topics(&self) -> Vec<Topic> {
+        let quantities = Quantity::ALL.into_iter().map(Topic::Derived);
+        let visuals = self.visuals.iter().flat_map(|_| VisualTopic::ALL);
+        // If the log has transforms, its own topics of them are left alone.
+        let ours = visuals
+            .filter(|topic| !topic.is_shared())
+            .map(Topic::Visual);
+        quantities.chain(ours).collect()
+    }
+
+    /// The kinds of sample that a run reads.
     pub(crate) fn needed_kinds(&self, camera: Camera) -> BTreeSet<Kind> {
         let kinds = camera.needed_kinds().into_iter();
         let kinds = kinds.map(|kind| match kind {
             Kind::Velocity => self.telemetry.velocity_from.kind(),
             other => other,
         });
-        kinds.collect()
+        kinds.chain(self.shown_kinds().iter().copied()).collect()
+    }
+
+    /// Those of them that viewers are shown: where the drone was and, unless the caller says where the ground is, how high
+    /// above that.
+    pub(crate) fn shown_kinds(&self) -> &'static [Kind] {
+        match &self.visuals {
+            None => &[],
+            Some(visuals) if visuals.says_where_the_ground_is() => &[Kind::Position],
+            Some(_) => &[Kind::Position, Kind::Height],
+        }
     }
 
     /// How the camera is mounted, given what the log says.

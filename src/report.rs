@@ -5,6 +5,7 @@ mod findings;
 mod missing;
 mod note;
 mod ros2;
+mod visuals;
 
 use std::{
     collections::BTreeMap,
@@ -31,6 +32,7 @@ use crate::{
 pub(crate) use findings::{Derivation, Findings};
 pub use missing::{MissingReason, MissingTopic};
 pub use note::Note;
+pub use visuals::{FieldOfViewReport, GroundBecause, GroundReport, Lack, VisualsReport};
 
 /// What a run did. Scripts read it as JSON, so its names are part of the interface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,6 +61,9 @@ pub struct Report {
     pub breaks: Breaks,
     /// Motion that no drone makes.
     pub motion: Motion,
+    /// What viewers are shown beside that; absent unless it is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub visuals: Option<VisualsReport>,
     /// The topics that the result has and the log did not have.
     pub written: Vec<WrittenTopic>,
     /// The topics that could not be written.
@@ -296,9 +301,10 @@ pub struct WrittenTopic {
     pub schema: &'static str,
     /// How many messages it has.
     pub messages: u64,
-    /// The field of its messages that shows most at a glance, as viewers write its path.
+    /// The field of its messages that shows most at a glance, as viewers write its path; `None` if nothing of it can be
+    /// plotted.
     #[serde(skip)]
-    pub field_to_plot: &'static str,
+    pub field_to_plot: Option<&'static str>,
 }
 
 /// Serialises a path for JSON, which cannot represent every file name that a system allows.
@@ -306,11 +312,12 @@ pub(crate) fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, 
     serializer.serialize_str(&path.to_string_lossy())
 }
 
-/// Serialises what was found of each kind, under its name; null for one that was not read.
+/// Serialises what was found of each kind, under its name; null for a usual one that was not read.
 fn by_kind<S: Serializer>(
     samples: &BTreeMap<Kind, SampleReport>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    let kinds = Kind::USUAL.into_iter();
+    let kinds = Kind::LISTED.into_iter();
+    let kinds = kinds.filter(|kind| Kind::USUAL.contains(kind) || samples.contains_key(kind));
     serializer.collect_map(kinds.map(|kind| (kind, samples.get(&kind))))
 }

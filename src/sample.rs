@@ -5,7 +5,7 @@ mod tally;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::geometry::axes::Axes;
+use crate::geometry::{axes::Axes, geodetic::Geodetic};
 pub use tally::{DropReason, Tallies, Tally};
 
 /// A sample's times, in nanoseconds since the log's epoch (that of 1970, or the vehicle's boot).
@@ -151,6 +151,33 @@ pub enum Position {
     Local(Vector3<f64>),
 }
 
+impl Position {
+    /// Whether there is such a place. Latitude and longitude 0 stand for an unknown one.
+    pub fn is_a_place(&self) -> bool {
+        match *self {
+            Self::Local(place) => place.iter().all(|metres| metres.is_finite()),
+            Self::Geodetic {
+                latitude,
+                longitude,
+                altitude,
+            } => {
+                (latitude, longitude) != (0.0, 0.0)
+                    && altitude.is_finite()
+                    && Geodetic::from_degrees(latitude, longitude, altitude).is_some()
+            }
+        }
+    }
+}
+
+/// How high the drone is above the ground at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeightSample {
+    /// Its times.
+    pub stamp: Stamp,
+    /// Metres above the ground below the drone; not negative.
+    pub metres: f64,
+}
+
 /// How fast the drone turns at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AngularRateSample {
@@ -180,6 +207,8 @@ pub enum Sample {
     Gimbal(GimbalSample),
     /// Where it was.
     Position(PositionSample),
+    /// How high it was above the ground.
+    Height(HeightSample),
     /// How fast it turned.
     AngularRate(AngularRateSample),
     /// What its accelerometer felt.
@@ -204,6 +233,7 @@ impl Sample {
             Sample::Velocity(sample) => sample.stamp,
             Sample::Gimbal(sample) => sample.stamp,
             Sample::Position(sample) => sample.stamp,
+            Sample::Height(sample) => sample.stamp,
             Sample::AngularRate(sample) => sample.stamp,
             Sample::Acceleration(sample) => sample.stamp,
         }
@@ -216,6 +246,7 @@ impl Sample {
             Sample::Velocity(_) => Kind::Velocity,
             Sample::Gimbal(_) => Kind::Gimbal,
             Sample::Position(_) => Kind::Position,
+            Sample::Height(_) => Kind::Height,
             Sample::AngularRate(_) => Kind::AngularRate,
             Sample::Acceleration(_) => Kind::Acceleration,
         }
@@ -235,6 +266,8 @@ pub enum Kind {
     Velocity,
     /// Where it is.
     Position,
+    /// How high it is above the ground. It is read only to show that to viewers.
+    Height,
     /// How fast it turns. Only a check reads it.
     AngularRate,
     /// What its accelerometer feels. Only a check reads it.
@@ -243,11 +276,12 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds, in their order.
-    pub const ALL: [Kind; 6] = [
+    pub const ALL: [Kind; 7] = [
         Kind::Gimbal,
         Kind::Attitude,
         Kind::Velocity,
         Kind::Position,
+        Kind::Height,
         Kind::AngularRate,
         Kind::Acceleration,
     ];
@@ -258,12 +292,23 @@ impl Kind {
         Kind::Velocity,
         Kind::Gimbal,
         Kind::Position,
+        Kind::Height,
         Kind::AngularRate,
         Kind::Acceleration,
     ];
 
-    /// The kinds that are looked for unless a log is checked.
+    /// The kinds that are always looked for.
     pub const USUAL: [Kind; 4] = [Kind::Attitude, Kind::Velocity, Kind::Gimbal, Kind::Position];
+
+    /// The kinds that are looked for to check a log, in the order in which they are listed.
+    pub const CHECKED: [Kind; 6] = [
+        Kind::Attitude,
+        Kind::Velocity,
+        Kind::Gimbal,
+        Kind::Position,
+        Kind::AngularRate,
+        Kind::Acceleration,
+    ];
 
     /// The name in profiles, scripts and options.
     pub fn name(self) -> &'static str {
@@ -272,6 +317,7 @@ impl Kind {
             Kind::Attitude => "attitude",
             Kind::Velocity => "velocity",
             Kind::Position => "position",
+            Kind::Height => "height",
             Kind::AngularRate => "angular_rate",
             Kind::Acceleration => "acceleration",
         }

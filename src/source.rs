@@ -1,5 +1,6 @@
 //! A log's telemetry: the profile that fits, the channels that it names, and their messages → samples.
 
+pub mod calibration;
 pub mod error;
 pub mod profile;
 pub mod request;
@@ -9,6 +10,7 @@ pub mod undecodable;
 mod bind;
 mod channel;
 mod frames;
+pub(crate) mod own;
 mod pattern;
 mod select;
 mod selection;

@@ -105,6 +105,25 @@ pub fn join<T: Display>(things: impl IntoIterator<Item = T>, between: &str) -> S
     text
 }
 
+/// Something as JSON that people may read, too: characters that JSON allows in texts and a terminal obeys are escaped as
+/// JSON does.
+pub fn to_json(value: &impl Serialize) -> String {
+    let json = serde_json::to_string_pretty(value).expect("all keys are texts");
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '\n' => text.push(c),
+            c if is_escaped(c) => {
+                for unit in c.encode_utf16(&mut [0; 2]) {
+                    let _ = write!(text, "\\u{unit:04x}");
+                }
+            }
+            c => text.push(c),
+        }
+    }
+    text
+}
+
 /// Whether a character is escaped where people read it.
 pub fn is_escaped(c: char) -> bool {
     c.is_control()

@@ -12,8 +12,10 @@
 //! whether the gap ends or not, and it is dropped at once; only the reason is left open, in a count.
 
 mod from_positions;
+mod moment;
 mod motion;
 mod orientation;
+mod spacing;
 mod track;
 
 use std::{
@@ -34,92 +36,12 @@ use crate::{
     },
 };
 use from_positions::FromPositions;
+pub use moment::{Attitudes, Incident, IncidentKind, Moment};
 use motion::Turn;
 pub use motion::{Motion, Sighting};
 use orientation::{Attitude, Gimbal};
-use track::{Interpolate, Track, Unavailable};
-
-/// The longest time between two attitude samples, or two of the gimbal, that still belong together. Across a
-/// longer one there is no relative rotation and no interpolation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MaxGap {
-    nanoseconds: u64,
-}
-
-/// A maximum gap that is out of range, or not a number.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error(
-    "a maximum gap of {0} s is out of range: it must be greater than 0 and at most 1000000000 s"
-)]
-pub struct MaxGapOutOfRange(pub f64);
-
-impl MaxGap {
-    /// Creates a maximum gap from seconds, rounded to the nanosecond.
-    ///
-    /// # Errors
-    /// Less than a nanosecond, more than 1e9 seconds, or not a number.
-    pub fn from_seconds(seconds: f64) -> Result<Self, MaxGapOutOfRange> {
-        let nanoseconds = (seconds * 1e9).round();
-        if (1.0..=1e18).contains(&nanoseconds) {
-            Ok(Self {
-                nanoseconds: nanoseconds as u64,
-            })
-        } else {
-            Err(MaxGapOutOfRange(seconds))
-        }
-    }
-
-    /// The gap in seconds.
-    pub fn seconds(self) -> f64 {
-        self.nanoseconds as f64 / 1e9
-    }
-
-    /// Whether samples at these times, in nanoseconds and in order, belong together.
-    fn spans(self, from: u64, to: u64) -> bool {
-        to - from <= self.nanoseconds
-    }
-}
-
-impl Default for MaxGap {
-    fn default() -> Self {
-        Self {
-            nanoseconds: 5_000_000_000,
-        }
-    }
-}
-
-/// The shortest time between two attitude samples: one that is closer to the one before is left out. None by default.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct MinInterval {
-    nanoseconds: u64,
-}
-
-/// A minimum interval that is out of range, or not a number.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("a minimum interval of {0} s is out of range: it must be at least 0 and at most 1000 s")]
-pub struct MinIntervalOutOfRange(pub f64);
-
-impl MinInterval {
-    /// Creates a minimum interval from seconds, rounded to the nanosecond; 0 leaves nothing out.
-    ///
-    /// # Errors
-    /// Negative, more than 1000 seconds, or not a number.
-    pub fn from_seconds(seconds: f64) -> Result<Self, MinIntervalOutOfRange> {
-        let nanoseconds = (seconds * 1e9).round();
-        if (0.0..=1e12).contains(&nanoseconds) {
-            Ok(Self {
-                nanoseconds: nanoseconds as u64,
-            })
-        } else {
-            Err(MinIntervalOutOfRange(seconds))
-        }
-    }
-
-    /// The interval in seconds.
-    pub fn seconds(self) -> f64 {
-        self.nanoseconds as f64 / 1e9
-    }
-}
+pub use spacing::{MaxGap, MaxGapOutOfRange, MinInterval, MinIntervalOutOfRange};
+use track::{Interpolate, Never, Track, Unavailable};
 
 /// What became of the samples that the transform was given.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -150,20 +72,16 @@ enum Held {
     /// An attitude's times; the rest of it is in the track of attitudes.
     Attitude(Stamp),
     Velocity(VelocitySample),
+    /// A time for which the attitudes are wanted.
+    Asked(u64),
 }
 
 impl Held {
-    fn stamp(&self) -> Stamp {
+    fn time(&self) -> u64 {
         match self {
-            Self::Attitude(stamp) => *stamp,
-            Self::Velocity(sample) => sample.stamp,
-        }
-    }
-
-    fn kind(&self) -> Kind {
-        match self {
-            Self::Attitude(_) => Kind::Attitude,
-            Self::Velocity(_) => Kind::Velocity,
+            Self::Attitude(stamp) => stamp.log_time,
+            Self::Velocity(sample) => sample.stamp.log_time,
+            Self::Asked(time) => *time,
         }
     }
 }
@@ -213,6 +131,8 @@ pub struct Transform {
     previous_velocity: Option<(u64, Vector3<f64>)>,
     /// Whether an earlier epoch had one, and this one has not.
     is_after_clock_step: bool,
+    /// What happens, if it is wanted.
+    moments: Option<Vec<Moment>>,
     /// How many samples of the second kind were dropped because the last one of the first kind is out of reach.
     out_of_reach: BTreeMap<(Kind, Kind), u64>,
     outcome: Outcome,
@@ -234,6 +154,7 @@ impl Transform {
             previous: None,
             previous_velocity: None,
             is_after_clock_step: false,
+            moments: None,
             out_of_reach: BTreeMap::new(),
             outcome: Outcome::default(),
         }
@@ -258,10 +179,32 @@ impl Transform {
         }
     }
 
+    /// Keeps all moments, to be [taken](Self::take_moments).
+    #[must_use]
+    pub fn with_moments(self) -> Self {
+        Self {
+            moments: Some(Vec::new()),
+            ..self
+        }
+    }
+
+    /// Asks for the attitudes at a time, in nanoseconds: not before that of the last sample, and not after that of the
+    /// next.
+    pub fn ask(&mut self, time: u64) {
+        self.held.push_back(Held::Asked(time));
+    }
+
+    /// The moments since they were last taken, in the order of their times.
+    pub fn take_moments(&mut self) -> impl Iterator<Item = Moment> {
+        self.moments
+            .iter_mut()
+            .flat_map(|moments| moments.drain(..))
+    }
+
     /// Takes the next sample and appends to `out` what can be derived now.
     ///
     /// Samples that nothing is derived from are ignored and not counted: those of a gimbal that the camera does not
-    /// follow; positions, unless velocities are taken from them, and then velocities.
+    /// follow; heights; positions, unless velocities are taken from them, and then velocities.
     pub fn push(&mut self, sample: Sample, out: &mut Vec<Derived>) {
         match self.from_positions.take() {
             None => self.take(sample, out),
@@ -282,6 +225,7 @@ impl Transform {
             Sample::Velocity(sample) => self.push_velocity(&sample),
             Sample::Gimbal(_)
             | Sample::Position(_)
+            | Sample::Height(_)
             | Sample::AngularRate(_)
             | Sample::Acceleration(_) => return,
         };
@@ -305,12 +249,12 @@ impl Transform {
     }
 
     /// Ends the run, and appends to `out` what can be derived now. Samples that still wait for others are dropped.
-    pub fn finish(mut self, out: &mut Vec<Derived>) -> Outcome {
+    pub fn finish(&mut self, out: &mut Vec<Derived>) -> Outcome {
         self.end_epoch(out);
-        if let Some(from_positions) = self.from_positions {
+        if let Some(from_positions) = self.from_positions.take() {
             self.outcome.tallies[Kind::Position] = from_positions.tally;
         }
-        self.outcome
+        mem::take(&mut self.outcome)
     }
 
     fn end_epoch(&mut self, out: &mut Vec<Derived>) {
@@ -334,7 +278,7 @@ impl Transform {
         let since = last
             .and_then(|last| stamp.log_time.checked_sub(last))
             .filter(|&since| since > 0);
-        let is_too_close = since.is_some_and(|since| since < self.min_interval.nanoseconds);
+        let is_too_close = since.is_some_and(|since| self.min_interval.exceeds(since));
         if !is_too_close {
             self.last_attitude_time = Some(stamp.log_time);
         }
@@ -372,18 +316,24 @@ impl Transform {
     /// none at all.
     fn settle(&mut self, soonest: Option<u64>, out: &mut Vec<Derived>) {
         while let Some(&sample) = self.held.front() {
-            match self.pose_at(sample.stamp().log_time, soonest) {
-                Ok(pose) => self.derive(&sample, pose, out),
-                Err(Unavailable::For(reason)) => self.count_dropped(sample.kind(), reason, 1),
-                Err(Unavailable::OutOfReach(of)) => {
-                    *self.out_of_reach.entry((of, sample.kind())).or_default() += 1;
-                }
+            let pose = match self.pose_at(sample.time(), soonest) {
+                Ok(pose) => Ok(pose),
+                Err(Unavailable::Forever(never)) => Err(never),
                 Err(Unavailable::Yet) => break,
+            };
+            match (sample, pose) {
+                (Held::Asked(time), pose) => self.answer(time, pose),
+                (Held::Attitude(stamp), Ok(pose)) => self.derive_from_attitude(stamp, pose, out),
+                (Held::Velocity(sample), Ok(pose)) => {
+                    self.derive_from_velocity(&sample, pose, out);
+                }
+                (Held::Attitude(_), Err(never)) => self.drop_for(Kind::Attitude, never),
+                (Held::Velocity(_), Err(never)) => self.drop_for(Kind::Velocity, never),
             }
             self.held.pop_front();
         }
         let oldest = self.held.front();
-        let needed_from = oldest.map_or(u64::MAX, |sample| sample.stamp().log_time);
+        let needed_from = oldest.map_or(u64::MAX, Held::time);
         self.attitudes.forget_before(needed_from);
         self.gimbal.forget_before(needed_from);
     }
@@ -393,12 +343,12 @@ impl Transform {
         let attitude = self.attitudes.at(time, soonest)?;
         let gimbal = || {
             let gimbal = self.gimbal.at(time, soonest)?;
-            Ok((gimbal.q_reference_camera, gimbal.reference))
+            Ok::<_, Unavailable>((gimbal.q_reference_camera, gimbal.reference))
         };
         let r_ned_camera = self
             .camera
             .orientation(&attitude.q_ned_drone, gimbal)?
-            .ok_or(Unavailable::For(DropReason::UndefinedHeading))?;
+            .ok_or(DropReason::UndefinedHeading)?;
         Ok(Pose {
             time,
             attitude,
@@ -406,47 +356,86 @@ impl Transform {
         })
     }
 
-    fn derive(&mut self, sample: &Held, pose: Pose, out: &mut Vec<Derived>) {
-        let values = match sample {
-            Held::Attitude(_) => [
-                self.turn_to(pose),
-                Some(Value::Orientation(pose.r_ned_camera)),
-            ],
-            Held::Velocity(sample) => {
-                let velocity = pose.see(sample.velocity);
-                self.note_velocity(pose.time, pose.r_ned_camera * velocity);
-                [Some(Value::CameraVelocity(velocity)), None]
-            }
-        };
-        let values = values.into_iter().flatten();
-        if !values.clone().all(|value| value.is_finite()) {
-            return self.count_dropped(sample.kind(), DropReason::TooLarge, 1);
-        }
-        self.outcome.tallies[sample.kind()].used += 1;
-        let stamp = sample.stamp();
+    fn derive_from_attitude(&mut self, stamp: Stamp, pose: Pose, out: &mut Vec<Derived>) {
+        let turn = self.turn_to(pose);
+        let values = turn
+            .into_iter()
+            .chain([Value::Orientation(pose.r_ned_camera)]);
+        self.outcome.tallies[Kind::Attitude].used += 1;
         out.extend(values.map(|value| Derived { stamp, value }));
+    }
+
+    fn derive_from_velocity(
+        &mut self,
+        sample: &VelocitySample,
+        pose: Pose,
+        out: &mut Vec<Derived>,
+    ) {
+        let velocity = pose.see(sample.velocity);
+        let value = Value::CameraVelocity(velocity);
+        if !value.is_finite() {
+            return self.count_dropped(Kind::Velocity, DropReason::TooLarge, 1);
+        }
+        self.note_velocity(pose.time, pose.r_ned_camera * velocity);
+        self.outcome.tallies[Kind::Velocity].used += 1;
+        let stamp = sample.stamp;
+        out.push(Derived { stamp, value });
+    }
+
+    /// Answers what was asked for a time.
+    fn answer(&mut self, time: u64, pose: Result<Pose, Never>) {
+        let attitudes = pose.map(Attitudes::from).map_err(DropReason::from);
+        self.note(Moment::Asked { time, attitudes });
+    }
+
+    fn note(&mut self, moment: Moment) {
+        if let Some(moments) = &mut self.moments {
+            moments.push(moment);
+        }
+    }
+
+    fn note_incident(&mut self, from: u64, to: u64, kind: IncidentKind) {
+        self.note(Moment::Incident(Incident { from, to, kind }));
+    }
+
+    /// Counts a sample for which the camera is not known.
+    fn drop_for(&mut self, kind: Kind, never: Never) {
+        match never {
+            Never::For(reason) => self.count_dropped(kind, reason, 1),
+            Never::OutOfReach(of) => {
+                *self.out_of_reach.entry((of, kind)).or_default() += 1;
+            }
+        }
     }
 
     /// How the camera turned since the previous attitude sample, unless the chain broke in between.
     fn turn_to(&mut self, pose: Pose) -> Option<Value> {
         let Some(previous) = self.previous.replace(pose) else {
-            self.outcome.breaks.clock_steps += u64::from(mem::take(&mut self.is_after_clock_step));
+            if mem::take(&mut self.is_after_clock_step) {
+                self.outcome.breaks.clock_steps += 1;
+                self.note_incident(pose.time, pose.time, IncidentKind::ClockStep);
+            }
             return None;
         };
         if !self.max_gap.spans(previous.time, pose.time) {
             self.outcome.breaks.gaps += 1;
+            self.note_incident(previous.time, pose.time, IncidentKind::Gap);
             return None;
         }
         if !previous.attitude.has_same_origin(&pose.attitude) {
             self.outcome.breaks.resets += 1;
+            self.note_incident(previous.time, pose.time, IncidentKind::Reset);
             return None;
         }
-        self.outcome.motion.note_turn(&Turn {
+        let incident = self.outcome.motion.note_turn(&Turn {
             time: pose.time,
             interval: pose.time - previous.time,
             q_ned_drone: [previous, pose].map(|pose| pose.attitude.q_ned_drone),
             r_ned_camera: [previous, pose].map(|pose| pose.r_ned_camera),
         });
+        if let Some(kind) = incident {
+            self.note_incident(previous.time, pose.time, kind);
+        }
         Some(Value::RelativeRpy {
             interval: pose.time - previous.time,
             rpy: relative_rpy(&previous.r_ned_camera, &pose.r_ned_camera),
@@ -454,12 +443,19 @@ impl Transform {
     }
 
     fn note_velocity(&mut self, time: u64, velocity_ned: Vector3<f64>) {
+        self.note(Moment::Velocity {
+            time,
+            ned: velocity_ned,
+        });
         let previous = self.previous_velocity.replace((time, velocity_ned));
         if let Some((earlier, before)) = previous
             && self.max_gap.spans(earlier, time)
         {
             let change = velocity_ned - before;
-            (self.outcome.motion).note_change(time, time - earlier, &change);
+            let incident = (self.outcome.motion).note_change(time, time - earlier, &change);
+            if let Some(kind) = incident {
+                self.note_incident(earlier, time, kind);
+            }
         }
     }
 

@@ -26,7 +26,7 @@ pub use error::{IdKind, SpecialFile, WriteError};
 pub use interleave::Interleaver;
 use serde::Serialize;
 
-use crate::derived::{Derived, Quantity};
+use crate::messages::{Message, Topic};
 
 /// Where in the log the new messages are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -51,7 +51,7 @@ impl Layout {
     }
 }
 
-/// Adds derived values to a log.
+/// Adds messages to a log.
 pub trait LogWriter {
     /// Says in which of the log's segments epochs begin, from the second one on; called before the first value. Without
     /// it, nothing is known about that.
@@ -65,12 +65,12 @@ pub trait LogWriter {
         Ok(())
     }
 
-    /// Adds one message, and before the first of a topic its channel. Values come epoch by epoch, in the order of their
-    /// times.
+    /// Adds one message, and before the first of a topic its channel. What is derived comes epoch by epoch, in the order
+    /// of its times.
     ///
     /// # Errors
     /// The output cannot be written, the log cannot be read, or it has no id left for a channel.
-    fn write(&mut self, derived: &Derived) -> Result<(), WriteError>;
+    fn write(&mut self, message: Message) -> Result<(), WriteError>;
 
     /// Completes the log, with `facts` on how its new messages were made.
     ///
@@ -82,8 +82,8 @@ pub trait LogWriter {
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
-    /// Messages by quantity. One without messages has no channel.
-    pub messages: BTreeMap<Quantity, u64>,
+    /// Messages by topic. One without messages has no channel.
+    pub messages: BTreeMap<Topic, u64>,
     /// Log times of the earliest and the latest of them.
     pub times: Option<(u64, u64)>,
     /// Bytes of the log that are in the result unchanged.

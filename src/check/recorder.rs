@@ -164,6 +164,8 @@ impl Recorder {
                     self.keep(time, position, |recorder| &mut recorder.positions);
                 }
             }
+            // There is nothing to compare it with.
+            Sample::Height(_) => {}
             Sample::AngularRate(sample) => {
                 self.average(time, sample.rate, SPACING, |recorder| &mut recorder.rates);
             }

@@ -22,6 +22,7 @@ use super::{
     progress::Bar,
     report::describe,
     telemetry::{EXAMPLES, TelemetryArguments},
+    visuals::VisualArguments,
     warn, wrong_arguments,
 };
 
@@ -87,6 +88,9 @@ pub struct Arguments {
     // Last, because their headings apply to everything after them.
     #[command(flatten)]
     camera: CameraArguments,
+
+    #[command(flatten)]
+    visuals: VisualArguments,
 
     #[command(flatten)]
     telemetry: TelemetryArguments,
@@ -170,7 +174,8 @@ impl Arguments {
             .trust(self.trust)
             .telemetry(self.telemetry.request()?)
             .encoding(self.encoding.0)
-            .layout(self.layout.into()))
+            .layout(self.layout.into())
+            .visuals(self.visuals.options()))
     }
 
     /// Where the result goes. Contradictory arguments end the process here.

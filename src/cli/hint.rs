@@ -4,8 +4,10 @@ mod contradiction;
 mod foreign;
 mod telemetry;
 
+use std::path::Path;
+
 use flightcam::{
-    Error,
+    Error, LayoutError,
     camera::CameraError,
     error::{JournalError, JournalFault, SpecialFile},
     log::ReadError,
@@ -40,6 +42,7 @@ pub fn hint(error: &Error) -> Option<String> {
         Error::Write(error) => of_writing(error)?,
         Error::Journal(error) => of_the_journal(error)?,
         Error::Telemetry(error) => return telemetry::hint(error),
+        Error::Layout(LayoutError::NotEnriched { path }) => return Some(not_enriched(path)),
         Error::Run(RunError::PassedOn { cause }) => return hint(cause),
         Error::Run(RunError::NothingDerived { missing, .. }) => return Some(of_nothing(missing)),
         Error::Run(RunError::Contradicted {
@@ -130,6 +133,15 @@ fn of_writing(error: &WriteError) -> Option<&'static str> {
     })
 }
 
+fn not_enriched(log: &Path) -> String {
+    let log = log.to_str().and_then(in_shell);
+    let log = log.as_deref().unwrap_or("LOG");
+    format!(
+        "first run `flightcam enrich {log} --visuals`, with --depression or --mount if the log has no gimbal angles, \
+         and then this on the result"
+    )
+}
+
 fn of_nothing(missing: &[MissingTopic]) -> String {
     let check = "check which topics and fields the profile names (--profile), and --max-gap";
     let positions = missing.iter().find_map(|topic| topic.positions.as_ref());
@@ -146,6 +158,9 @@ fn of_the_run(error: &RunError) -> Option<&'static str> {
         }
         RunError::Stream { .. } => {
             "save the log as a file first; only `enrich` reads one from a pipe"
+        }
+        RunError::FlightTooLong { .. } => {
+            "--visual-rate 5 writes fewer of them; without --visuals flights can be of any length"
         }
         RunError::InterleavedStream => "leave out --layout interleaved, or give the log as a file",
         _ => return None,

@@ -10,8 +10,8 @@ use std::{
 };
 
 use clap::error::{ContextKind, ContextValue};
+pub use flightcam::text::to_json;
 use flightcam::text::{escaped, escaped_lines, is_escaped};
-use serde::Serialize;
 
 /// A report in the making.
 pub struct Page {
@@ -52,24 +52,6 @@ impl Page {
     pub fn text(&self) -> &str {
         self.text.trim_end()
     }
-}
-
-/// A report for scripts. Characters that JSON allows in texts and a terminal obeys are escaped as JSON does.
-pub fn to_json(report: &impl Serialize) -> String {
-    let json = serde_json::to_string_pretty(report).expect("reports have only string keys");
-    let mut text = String::with_capacity(json.len());
-    for c in json.chars() {
-        match c {
-            '\n' => text.push(c),
-            c if is_escaped(c) => {
-                for unit in c.encode_utf16(&mut [0; 2]) {
-                    let _ = write!(text, "\\u{unit:04x}");
-                }
-            }
-            c => text.push(c),
-        }
-    }
-    text
 }
 
 /// Writes a result to standard output. A reader that stops reading early is no error; any other trouble is

@@ -2,7 +2,7 @@
 
 use flightcam::{
     Report,
-    report::SampleReport,
+    report::{FieldOfViewReport, GroundBecause, GroundReport, SampleReport, VisualsReport},
     sample::Kind,
     text,
     transform::{Breaks, Motion, Sighting},
@@ -29,6 +29,9 @@ pub fn describe(report: &Report) -> Page {
             describe_motion(&mut page, &report.motion);
         }
     }
+    if let Some(visuals) = &report.visuals {
+        describe_visuals(&mut page, visuals);
+    }
     for topic in &report.written {
         let messages = plural(topic.messages, "message");
         page.line("Written", format!("{}: {messages}", topic.topic));
@@ -41,14 +44,90 @@ pub fn describe(report: &Report) -> Page {
         page.line("Note", words::note(note));
     }
     page.line("Result", text::path(&report.output));
+    page.paragraph(&match report.visuals {
+        None => how_to_plot(report),
+        Some(_) => how_to_look(),
+    });
+    page
+}
+
+fn how_to_plot(report: &Report) -> String {
     let to_plot: Vec<String> = (report.written.iter())
-        .map(|topic| format!("{}.{}", topic.topic, topic.field_to_plot))
+        .filter_map(|topic| Some(format!("{}.{}", topic.topic, topic.field_to_plot?)))
         .collect();
-    page.paragraph(&format!(
+    format!(
         "To look at it, open the result in Foxglove (https://foxglove.dev), add a Plot panel, and plot {}.",
         words::list(&to_plot)
-    ));
-    page
+    )
+}
+
+fn how_to_look() -> String {
+    "To look at it, open the result in Foxglove (https://foxglove.dev) or Lichtblick \
+     (https://github.com/lichtblick-suite/lichtblick), and import the layout there that `flightcam layout` writes for it."
+        .to_owned()
+}
+
+fn describe_field_of_view(seen: &FieldOfViewReport) -> String {
+    let [wide, high] = seen.degrees;
+    let why = match (&seen.calibration, seen.others) {
+        (None, _) => ", as asked for".to_owned(),
+        (Some(topic), 0) => format!(", as {topic} says, without its distortion"),
+        (Some(topic), others) => {
+            let others = plural(others as u64, "other calibration");
+            format!(", as {topic} says, without its distortion; the log has {others} that differ")
+        }
+    };
+    format!("field of view {wide:.1}° by {high:.1}°{why}")
+}
+
+/// Says what viewers are shown, and what was taken for granted.
+fn describe_visuals(page: &mut Page, visuals: &VisualsReport) {
+    let VisualsReport {
+        transforms_hz,
+        scenes_hz,
+        ground,
+        field_of_view,
+        ..
+    } = visuals;
+    page.line(
+        "Visuals",
+        format!("{transforms_hz} transforms and {scenes_hz} scenes a second"),
+    );
+    page.line(
+        "",
+        match field_of_view {
+            Some(seen) => describe_field_of_view(seen),
+            None => "field of view not known; --hfov and --vfov say it".to_owned(),
+        },
+    );
+    if let Some(ground) = ground {
+        page.line("", describe_ground(ground));
+    }
+}
+
+fn describe_ground(ground: &GroundReport) -> String {
+    let why = match &ground.because {
+        GroundBecause::Measured {
+            topic,
+            samples,
+            lowest_m,
+            highest_m,
+            share,
+        } => {
+            let heights = plural(*samples, "height");
+            let rest = match (100.0 * (1.0 - share)).round() {
+                0.0 => String::new(),
+                rest => format!("; where there are none ({rest} % of the flight), as it was last"),
+            };
+            return format!(
+                "ground from {lowest_m:.1} to {highest_m:.1} m by {heights} of {topic}{rest}"
+            );
+        }
+        GroundBecause::Given => "as asked for",
+        GroundBecause::TakeOff => "that of the take-off, as asked for",
+        _ => "that of the take-off, which is assumed; --ground says otherwise",
+    };
+    format!("level ground at {:.1} m, {why}", ground.altitude_m)
 }
 
 fn describe_bytes(report: &Report) -> String {

@@ -16,8 +16,10 @@ use crate::{
     reader::Reader,
     report::Derivation,
     run::{Cancelled, Run, Stopped},
+    sample::{Kind, Sample, VelocityFrom},
     source::Source,
-    transform::Transform,
+    transform::{Outcome, Transform},
+    visuals::{Flight, FlightRecorder},
 };
 
 /// How many values are handed over at once, so that handing over costs little for each of them.
@@ -45,7 +47,8 @@ pub struct Batch {
 }
 
 impl<'scope> Job<'scope> {
-    /// Starts the thread. If the job is dropped, the thread ends, because it cannot send any more.
+    /// Starts the thread. If the job is dropped, the thread ends, because it cannot send any more. With `flight`, it
+    /// records the flight, too.
     ///
     /// # Errors
     /// The log cannot be read.
@@ -55,18 +58,27 @@ impl<'scope> Job<'scope> {
         source: Source,
         camera: Camera,
         options: &Options,
+        flight: Option<FlightRecorder>,
         run: &'env Run,
     ) -> Result<Self, ReadError> {
         let reader = Reader::new(log, source)?;
         let transform = Transform::new(camera, options.max_gap)
             .thinned(options.min_interval)
             .with_velocity_from(options.telemetry.velocity_from);
+        let deriving = Deriving {
+            transform: match &flight {
+                Some(_) => transform.with_moments(),
+                None => transform,
+            },
+            flight,
+            only_records_positions: options.telemetry.velocity_from != VelocityFrom::Position,
+        };
         run.expect(reader.bytes_total());
         let (batches, taken) = mpsc::sync_channel(BATCHES);
         Ok(Self {
             batches: taken,
             epoch_starts: reader.epoch_starts(),
-            thread: scope.spawn(move || derive(reader, transform, &batches, run)),
+            thread: scope.spawn(move || derive(reader, deriving, &batches, run)),
         })
     }
 
@@ -78,6 +90,15 @@ impl<'scope> Job<'scope> {
         for batch in &self.batches {
             sink.take(&batch)?;
         }
+        self.finish()
+    }
+
+    /// Lets all batches pass.
+    ///
+    /// # Errors
+    /// Those of [`finish`](Self::finish).
+    pub fn run_to_end(mut self) -> Result<Derivation, Stopped> {
+        self.by_ref().for_each(drop);
         self.finish()
     }
 
@@ -101,10 +122,67 @@ impl Iterator for Job<'_> {
     }
 }
 
+/// The transform and, if it is wanted, what records the flight.
+struct Deriving {
+    transform: Transform,
+    flight: Option<FlightRecorder>,
+    /// Whether positions are only recorded, and no velocities are taken from them.
+    only_records_positions: bool,
+}
+
+impl Deriving {
+    /// Whether a sample is only recorded, and nothing is derived from it.
+    fn only_records(&self, sample: &Sample) -> bool {
+        match sample.kind() {
+            Kind::Position => self.only_records_positions,
+            kind => kind == Kind::Height,
+        }
+    }
+
+    fn push(&mut self, sample: Sample, out: &mut Vec<Derived>) {
+        let Self {
+            transform, flight, ..
+        } = self;
+        if let Some(flight) = flight {
+            flight.go_to(sample.stamp().log_time, |time| transform.ask(time));
+            match &sample {
+                Sample::Position(sample) => flight.take_position(sample),
+                Sample::Height(sample) => flight.take_height(sample),
+                _ => {}
+            }
+        }
+        transform.push(sample, out);
+        self.record();
+    }
+
+    fn begin_epoch(&mut self, out: &mut Vec<Derived>) {
+        self.transform.begin_epoch(out);
+        self.record();
+        if let Some(flight) = &mut self.flight {
+            flight.begin_epoch();
+        }
+    }
+
+    fn finish(mut self, out: &mut Vec<Derived>) -> (Outcome, Option<Flight>) {
+        let outcome = self.transform.finish(out);
+        self.record();
+        (outcome, self.flight.map(FlightRecorder::finish))
+    }
+
+    /// Records what the transform has found out.
+    fn record(&mut self) {
+        if let Some(flight) = &mut self.flight {
+            self.transform
+                .take_moments()
+                .for_each(|moment| flight.take(moment));
+        }
+    }
+}
+
 /// The work of the job's thread.
 fn derive(
     reader: Reader,
-    mut transform: Transform,
+    mut deriving: Deriving,
     batches: &SyncSender<Batch>,
     run: &Run,
 ) -> Result<Derivation, Stopped> {
@@ -125,24 +203,26 @@ fn derive(
         // Checked for each sample, because many of them may yield no value.
         run.go_on()?;
         if arrival.epoch != epoch {
-            transform.begin_epoch(&mut derived);
+            deriving.begin_epoch(&mut derived);
             if !derived.is_empty() {
                 hand_over(epoch, &mut derived, arrival.bytes_read)?;
             }
             epoch = arrival.epoch;
         }
-        recorder.push(&arrival.sample);
-        transform.push(arrival.sample, &mut derived);
+        if !deriving.only_records(&arrival.sample) {
+            recorder.push(&arrival.sample);
+        }
+        deriving.push(arrival.sample, &mut derived);
         match derived.len() < BATCH {
             true => Ok(()),
             false => Ok::<_, Stopped>(hand_over(epoch, &mut derived, arrival.bytes_read)?),
         }
     })?;
-    let outcome = transform.finish(&mut derived);
+    let (outcome, flight) = deriving.finish(&mut derived);
     if !derived.is_empty() {
         hand_over(epoch, &mut derived, total)?;
     }
     run.read(total);
     run.go_on()?;
-    Ok(Derivation::new(read, outcome, recorder))
+    Ok(Derivation::new(read, outcome, recorder, flight))
 }

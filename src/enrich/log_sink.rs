@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Sink, background::Background, held_back::HeldBack, job::Batch};
+use super::{Sink, background::Background, held_back::HeldBack, job::Batch, showing::Showing};
 use crate::{
     error::Error,
     log::file::LogFile,
@@ -16,6 +16,8 @@ pub struct LogSink<'scope> {
     pub log: &'scope LogFile,
     pub writer: Box<dyn LogWriter + 'scope>,
     pub completion: Completion<'scope>,
+    /// What viewers are shown, if that is known already: it is written among the derived values.
+    pub showing: Option<Showing>,
     pub run: &'scope Run<'scope>,
 }
 
@@ -39,11 +41,42 @@ pub enum Completion<'scope> {
 
 impl Sink for LogSink<'_> {
     fn take(&mut self, batch: &Batch) -> Result<(), Stopped> {
-        self.writer.go_to_epoch(batch.epoch)?;
+        let is_showing = self.showing.is_some();
+        if !is_showing {
+            self.writer.go_to_epoch(batch.epoch)?;
+        }
         for derived in &batch.values {
-            self.writer.write(derived)?;
+            if is_showing {
+                self.show_before(batch.epoch, derived.stamp.log_time)?;
+                self.writer.go_to_epoch(batch.epoch)?;
+            }
+            self.writer.write(derived.into())?;
         }
         Ok(self.run.go_on()?)
+    }
+}
+
+impl LogSink<'_> {
+    /// Writes what is shown before a time in an epoch.
+    fn show_before(&mut self, epoch: u32, time: u64) -> Result<(), Stopped> {
+        let Some(showing) = &mut self.showing else {
+            return Ok(());
+        };
+        while let Some((epoch, shown)) = showing.next_before(epoch, time) {
+            self.writer.go_to_epoch(epoch)?;
+            self.writer.write((&shown).into())?;
+        }
+        Ok(())
+    }
+
+    /// Writes all that is shown and has not been written.
+    pub fn show_rest(&mut self) -> Result<(), Stopped> {
+        for (epoch, shown) in self.showing.take().into_iter().flatten() {
+            self.run.go_on()?;
+            self.writer.go_to_epoch(epoch)?;
+            self.writer.write((&shown).into())?;
+        }
+        Ok(())
     }
 }
 
@@ -56,6 +89,7 @@ impl LogSink<'_> {
             writer,
             completion,
             run,
+            ..
         } = self;
         match completion {
             Completion::NewFile {

@@ -51,7 +51,7 @@ pub fn enrich(
                 input,
                 &path,
                 &mut file,
-                StreamFilter::new(&options.telemetry),
+                StreamFilter::new(&options.telemetry).showing(options.shown_kinds()),
                 run,
             )?;
             let report = append(&passed, &path, &mut file, options, run)?;
@@ -79,7 +79,7 @@ fn enrich_onward(
         input,
         name,
         &mut *output,
-        StreamFilter::new(&options.telemetry),
+        StreamFilter::new(&options.telemetry).showing(options.shown_kinds()),
         run,
     )
     .map_err(|stopped| match stopped {
@@ -116,7 +116,7 @@ pub fn telemetry(
     match input {
         Input::Stream { name, stream } => {
             let input = Named::new(&name, stream);
-            let filter = filter(&options.telemetry);
+            let filter = filter(&options.telemetry).showing(options.shown_kinds());
             Ok(pass_on(input, &name, io::sink(), filter, run)?.telemetry)
         }
         input => Ok(Log::read(input.open(Access::Read, &options.watch)?)?),
@@ -166,7 +166,7 @@ fn append(
         original,
         telemetry,
     } = passed;
-    original.check_topics_are_free()?;
+    original.check_are_free(options.topics())?;
     let plan = Plan::new(telemetry, options)?;
     let target = Target::after_data(name, output);
     write(original, telemetry, plan, target, options, run)

@@ -179,6 +179,7 @@ fn new_file<'scope>(
         log: &log.file,
         writer,
         completion,
+        showing: None,
         run,
     })
 }
@@ -195,6 +196,7 @@ fn in_place<'scope>(
         log: &log.file,
         writer,
         completion: Completion::InPlace(new_end),
+        showing: None,
         run,
     })
 }
@@ -224,6 +226,7 @@ fn into_stream<'scope, W: Write + 'scope>(
             log: &log.file,
             writer: interleave(log, stream, name, format, copied)?,
             completion: Completion::Interleaved,
+            showing: None,
             run,
         }),
     }
@@ -240,6 +243,7 @@ fn held_back<'scope>(
         log: &log.file,
         writer: append(log, held.file()?, held.name().into(), format)?,
         completion: Completion::Stream(held),
+        showing: None,
         run,
     })
 }

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 /// The WGS 84 ellipsoid: its semi-major axis in metres, and its flattening.
 ///
 /// Source: NGA.STND.0036_1.0.0_WGS84 (2014), table 3.1.
-const SEMI_MAJOR_AXIS: f64 = 6_378_137.0;
-const FLATTENING: f64 = 1.0 / 298.257_223_563;
+pub(super) const SEMI_MAJOR_AXIS: f64 = 6_378_137.0;
+pub(super) const FLATTENING: f64 = 1.0 / 298.257_223_563;
 
 /// A place on the globe: radians, and metres above the ellipsoid.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -37,6 +37,8 @@ pub enum FirstSample {
     },
     /// A place in the log's own coordinates.
     PositionLocal { north: f64, east: f64, down: f64 },
+    /// A height above the ground.
+    Height { metres: f64 },
     /// Radians per second about the drone's axes.
     AngularRate { front: f64, right: f64, down: f64 },
     /// A specific force in metres per second squared, in the drone's axes.
@@ -87,6 +89,9 @@ impl From<&Sample> for FirstSample {
                     let [north, east, down] = place.into();
                     Self::PositionLocal { north, east, down }
                 }
+            },
+            Sample::Height(sample) => Self::Height {
+                metres: sample.metres,
             },
             Sample::AngularRate(sample) => {
                 let [front, right, down] = sample.rate.into();

@@ -11,18 +11,20 @@ use super::{
 const NAME: &str = "flightcam.v1.CameraVelocity";
 
 /// The velocity along the optical axis.
-const FIELD_TO_PLOT: &str = "x";
+const FIELD_TO_PLOT: Option<&str> = Some("x");
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
         Encoding::Protobuf => MessageDefinition {
             name: NAME,
+            message_encoding: encoding.message_encoding(),
             encoding: protobuf::SCHEMA_ENCODING,
             data: include_bytes!(concat!(env!("OUT_DIR"), "/camera_velocity.bin")),
             field_to_plot: FIELD_TO_PLOT,
         },
         Encoding::Json => MessageDefinition {
             name: NAME,
+            message_encoding: encoding.message_encoding(),
             encoding: json::SCHEMA_ENCODING,
             data: include_bytes!("../../schemas/flightcam.v1.CameraVelocity.json"),
             field_to_plot: FIELD_TO_PLOT,

@@ -28,10 +28,29 @@ impl<'a> Cdr<'a> {
         self.out.extend(number);
     }
 
+    /// Writes several numbers.
+    #[inline]
+    pub fn put_doubles<const N: usize>(&mut self, numbers: [f64; N]) {
+        for number in numbers {
+            self.put(number.to_le_bytes());
+        }
+    }
+
+    #[inline]
+    pub fn put_bool(&mut self, value: bool) {
+        self.put([u8::from(value)]);
+    }
+
+    /// Writes the length of a list, after which its elements come.
+    #[inline]
+    pub fn put_length(&mut self, length: usize) {
+        self.put((length as u32).to_le_bytes());
+    }
+
     /// Writes a string: its length, which includes a terminating 0, and its bytes.
     #[inline]
     pub fn put_string(&mut self, text: &str) {
-        self.put((text.len() as u32 + 1).to_le_bytes());
+        self.put_length(text.len() + 1);
         self.out.extend(text.as_bytes());
         self.out.push(0);
     }

@@ -1,9 +1,16 @@
 //! Numbers and times as all encodings write them.
 
+use std::ops::Add;
+
 /// Turns -0 into 0: protobuf omits zeros, so their sign is lost.
 pub fn without_negative_zeros<const N: usize>(numbers: [f64; N]) -> [f64; N] {
+    numbers.map(without_negative_zero)
+}
+
+/// The same of one number, of either size.
+pub fn without_negative_zero<F: Add<Output = F> + Default>(number: F) -> F {
     // Adding 0 changes a negative zero and nothing else.
-    numbers.map(|number| number + 0.0)
+    number + F::default()
 }
 
 /// Splits a time into whole seconds and the nanoseconds beyond them.

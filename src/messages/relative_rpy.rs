@@ -11,18 +11,20 @@ use crate::geometry::RollPitchYaw;
 const NAME: &str = "flightcam.v1.RelativeRpy";
 
 /// Cameras turn mostly in yaw.
-const FIELD_TO_PLOT: &str = "yaw";
+const FIELD_TO_PLOT: Option<&str> = Some("yaw");
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
         Encoding::Protobuf => MessageDefinition {
             name: NAME,
+            message_encoding: encoding.message_encoding(),
             encoding: protobuf::SCHEMA_ENCODING,
             data: include_bytes!(concat!(env!("OUT_DIR"), "/relative_rpy.bin")),
             field_to_plot: FIELD_TO_PLOT,
         },
         Encoding::Json => MessageDefinition {
             name: NAME,
+            message_encoding: encoding.message_encoding(),
             encoding: json::SCHEMA_ENCODING,
             data: include_bytes!("../../schemas/flightcam.v1.RelativeRpy.json"),
             field_to_plot: FIELD_TO_PLOT,

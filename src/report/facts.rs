@@ -51,6 +51,9 @@ impl Findings<'_> {
         add("attitude_gaps", self.breaks.gaps.to_string());
         add("attitude_resets", self.breaks.resets.to_string());
         add("attitude_clock_steps", self.breaks.clock_steps.to_string());
+        for (key, fact) in self.visual_facts() {
+            add(key, fact);
+        }
         for (kind, samples) in &self.samples {
             let kind = kind.name();
             if let Some(topic) = &samples.topic {

@@ -3,13 +3,14 @@
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use mcap::records::Statistics;
 
 use super::{
     CameraReport, EncodingReport, MissingReason, MissingTopic, Note, ProfileReport, Report,
-    SampleReport, WrittenTopic, ros2,
+    SampleReport, VisualsReport, WrittenTopic, ros2,
 };
 use crate::{
     camera::Camera,
@@ -17,12 +18,14 @@ use crate::{
     clock::ClockStep,
     derived::Quantity,
     log::{Log, ScanReason},
+    messages::{Format, Topic},
     options::Options,
     reader::ReadOut,
     sample::{Kind, Tally, VelocityFrom},
-    source::{Source, undecodable::UndecodableMessage},
+    source::{Source, calibration::LogCalibration, undecodable::UndecodableMessage},
     text::Foreign,
     transform::{Breaks, Motion, Outcome},
+    visuals::{Flight, StagedFlight},
     writer::{Layout, Written, original::Original},
 };
 
@@ -36,17 +39,25 @@ pub struct Derivation {
     pub clock_steps: Vec<ClockStep>,
     /// What is needed of the samples to judge how they were read.
     pub recorder: Box<Recorder>,
+    /// The flight at regular times, if it was to be recorded.
+    pub flight: Option<Flight>,
 }
 
 impl Derivation {
     /// Of what was read, and what the transform made of it.
-    pub fn new(read: ReadOut, mut outcome: Outcome, recorder: Box<Recorder>) -> Self {
+    pub fn new(
+        read: ReadOut,
+        mut outcome: Outcome,
+        recorder: Box<Recorder>,
+        flight: Option<Flight>,
+    ) -> Self {
         outcome.tallies.merge(&read.dropped);
         Self {
             source: read.source,
             outcome,
             clock_steps: read.clock_steps,
             recorder,
+            flight,
         }
     }
 }
@@ -57,6 +68,7 @@ pub struct Findings<'a> {
     pub(super) options: &'a Options,
     pub(super) source: Source,
     pub(super) encoding: EncodingReport,
+    pub(super) format: Format,
     pub(super) samples: BTreeMap<Kind, SampleReport>,
     pub(super) camera: Camera,
     pub(super) breaks: Breaks,
@@ -65,6 +77,10 @@ pub struct Findings<'a> {
     /// The topic of usable positions, if there is no usable velocity.
     positions: Option<Foreign>,
     oddities: Vec<Oddity>,
+    /// The flight that viewers are shown.
+    pub(super) staged: Option<Arc<StagedFlight>>,
+    /// The log's calibration, if that says what the camera sees.
+    pub(super) calibration: Option<LogCalibration>,
 }
 
 impl<'a> Findings<'a> {
@@ -73,6 +89,7 @@ impl<'a> Findings<'a> {
         options: &'a Options,
         camera: Camera,
         encoding: EncodingReport,
+        format: Format,
         derivation: Derivation,
     ) -> Self {
         let Derivation {
@@ -97,6 +114,9 @@ impl<'a> Findings<'a> {
             original,
             options,
             encoding,
+            format,
+            staged: None,
+            calibration: None,
             samples,
             camera,
             breaks,
@@ -138,6 +158,32 @@ impl<'a> Findings<'a> {
     /// The same with what is odd about the samples, but may be right.
     pub fn with(self, oddities: Vec<Oddity>) -> Self {
         Self { oddities, ..self }
+    }
+
+    /// The same with the flight that viewers are shown, and what became of the samples that are only shown.
+    pub fn showing(
+        mut self,
+        staged: Option<Arc<StagedFlight>>,
+        calibration: Option<LogCalibration>,
+    ) -> Self {
+        let derived_from = self.options.telemetry.velocity_from.kind();
+        let flight = staged.iter().map(|staged| &staged.flight);
+        let shown = flight.flat_map(|flight| {
+            [
+                (Kind::Position, &flight.positions),
+                (Kind::Height, &flight.heights),
+            ]
+        });
+        for (kind, tally) in shown.filter(|(kind, _)| *kind != derived_from) {
+            if let Some(samples) = self.samples.get_mut(&kind) {
+                samples.tally.merge(tally);
+            }
+        }
+        Self {
+            staged,
+            calibration,
+            ..self
+        }
     }
 
     /// Why a quantity has no messages, if it has none.
@@ -189,24 +235,31 @@ impl<'a> Findings<'a> {
     /// The report on a result that was written to `output`, while the log grew by that many bytes.
     pub fn report(self, output: PathBuf, written: Written, grown_by: u64) -> Report {
         let log = &self.original.log;
-        let has_messages = |quantity: &Quantity| written.messages.contains_key(quantity);
-        let (present, missing): (Vec<Quantity>, Vec<Quantity>) =
-            Quantity::ALL.into_iter().partition(has_messages);
-        let written_topic = |quantity| {
-            let definition = self.encoding.name.schema(quantity);
-            WrittenTopic {
-                topic: quantity.topic(),
+        let written_topic = |(&topic, &messages): (&Topic, &u64)| {
+            let definition = self.format.definition(topic)?;
+            Some(WrittenTopic {
+                topic: topic.name(),
                 schema: definition.name,
-                messages: written.messages[&quantity],
+                messages,
                 field_to_plot: definition.field_to_plot,
-            }
+            })
         };
+        let missing = (Quantity::ALL.into_iter())
+            .filter(|&quantity| !written.messages.contains_key(&Topic::Derived(quantity)));
+        let mut not_written: Vec<MissingTopic> =
+            missing.map(|quantity| self.missing(quantity)).collect();
+        let visuals = self.staged.as_deref().zip(self.options.visuals.as_ref());
+        if let Some((staged, _)) = visuals {
+            not_written.extend(self.not_shown(staged, &written));
+        }
         Report {
             notes: self.notes(&output, &written, grown_by),
-            written: present.into_iter().map(written_topic).collect(),
-            not_written: (missing.into_iter())
-                .map(|quantity| self.missing(quantity))
-                .collect(),
+            visuals: visuals.map(|(staged, options)| {
+                let heights = self.source.topic_of(Kind::Height);
+                VisualsReport::new(options, staged, heights, self.calibration.as_ref())
+            }),
+            written: written.messages.iter().filter_map(written_topic).collect(),
+            not_written,
             input: log.file.path().into(),
             output,
             profile: ProfileReport::new(&self.source, &self.options.telemetry),

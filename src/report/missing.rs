@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::Lack;
 use crate::{
     decode::trial::UnmetFilter,
     sample::{Kind, Tally},
@@ -68,6 +69,11 @@ pub enum MissingReason {
         /// How often the time went back in between.
         clock_steps: u64,
     },
+    /// Viewers are not shown it.
+    NotShown {
+        /// What it needs and the flight does not have.
+        lack: Lack,
+    },
 }
 
 impl MissingReason {
@@ -125,6 +131,7 @@ impl fmt::Display for MissingReason {
                     None => Ok(()),
                 }
             }
+            Self::NotShown { lack } => lack.fmt(f),
             Self::NoneAdjacent {
                 gaps,
                 resets,

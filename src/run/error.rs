@@ -34,6 +34,16 @@ pub enum RunError {
         asked: BTreeMap<Kind, HowAsked>,
     },
 
+    #[error(
+        "{}: the flight has more than {moments} moments, too many to be shown",
+        text::path(path)
+    )]
+    FlightTooLong {
+        path: PathBuf,
+        /// How many there can be.
+        moments: usize,
+    },
+
     #[error("{}: cannot be restored: {reason}", text::path(path))]
     NotRestorable { path: PathBuf, reason: Lost },
 

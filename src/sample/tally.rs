@@ -56,6 +56,10 @@ pub enum DropReason {
     NoNeighbours,
     /// A latitude and a longitude that there are not, or that stand for an unknown place.
     NotAPlace,
+    /// A height above the ground that is less than 0, which stands for an unknown one.
+    NegativeHeight,
+    /// A height above the ground where it is not known where the drone was, so that it does not say where the ground is.
+    UnknownPosition,
     /// A velocity before the first attitude or after the last.
     OutsideAttitude,
     /// A velocity between two attitudes that are too far apart to interpolate.
@@ -94,6 +98,8 @@ impl DropReason {
             DropReason::InBurst => "in_burst",
             DropReason::NoNeighbours => "no_neighbours",
             DropReason::NotAPlace => "not_a_place",
+            DropReason::NegativeHeight => "negative_height",
+            DropReason::UnknownPosition => "unknown_position",
             DropReason::OutsideAttitude => "outside_attitude",
             DropReason::InAttitudeGap => "in_attitude_gap",
             DropReason::AcrossAttitudeReset => "across_attitude_reset",
@@ -151,6 +157,8 @@ impl fmt::Display for DropReason {
             DropReason::InBurst => "less than a millisecond after the one before",
             DropReason::NoNeighbours => "without another position shortly before or shortly after",
             DropReason::NotAPlace => "with a latitude or a longitude that there is not, or both 0",
+            DropReason::NegativeHeight => "less than 0, which stands for an unknown height",
+            DropReason::UnknownPosition => "where the position is not known",
             DropReason::OutsideAttitude => "before the first or after the last usable attitude",
             DropReason::InAttitudeGap => "in a gap of the attitude",
             DropReason::AcrossAttitudeReset => "across a reset of the attitude estimator",
@@ -191,6 +199,15 @@ impl Tally {
         }
     }
 
+    /// Adds the counts of another stage.
+    pub fn merge(&mut self, other: &Tally) {
+        self.used += other.used;
+        self.unselected += other.unselected;
+        for (&reason, &count) in &other.dropped {
+            self.count_dropped(reason, count);
+        }
+    }
+
     /// Readings whose messages could not be read.
     pub fn unreadable(&self) -> u64 {
         let dropped = self.dropped.iter();
@@ -217,11 +234,7 @@ impl Tallies {
     /// Adds the counts of another stage.
     pub fn merge(&mut self, other: &Tallies) {
         for kind in Kind::ALL {
-            self[kind].used += other[kind].used;
-            self[kind].unselected += other[kind].unselected;
-            for (&reason, &count) in &other[kind].dropped {
-                self[kind].count_dropped(reason, count);
-            }
+            self[kind].merge(&other[kind]);
         }
     }
 }

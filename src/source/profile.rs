@@ -25,7 +25,7 @@ pub use components::{Components, WrongCount};
 pub use error::{BadRole, NotAProfile, Problem, ProfileError};
 pub use fields::{
     AccelerationFields, AngularRateFields, AttitudeFields, Coordinates, Euler, GimbalFields,
-    OptionalField, Orientation, Pitch, Quaternion, RoleFields, VelocityFields,
+    HeightFields, OptionalField, Orientation, Pitch, Quaternion, RoleFields, VelocityFields,
 };
 pub use location::{Condition, Location, SampleTime, Test, TimeField, Written};
 

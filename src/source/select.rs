@@ -33,7 +33,7 @@ use log_search::LogSearch;
 use look::Look;
 use namespace_search::NamespaceSearch;
 
-/// The kinds of sample that something is derived from. Others are only shown.
+/// The kinds of sample that something is derived from.
 fn derived_from(velocity_from: VelocityFrom) -> [Kind; 3] {
     [Kind::Gimbal, Kind::Attitude, velocity_from.kind()]
 }
@@ -115,7 +115,7 @@ impl<'p> Candidate<'p> {
 /// What is tried, and looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Thoroughness {
-    /// Tries profiles until none that is left could fit better, and looks at what something is derived from.
+    /// Tries profiles until none that is left could fit better, and looks at what something is derived from, or shown of.
     UntilFound,
     /// Tries all profiles, and looks at all kinds of sample.
     All,
@@ -127,7 +127,20 @@ impl Source {
     /// # Errors
     /// The profile does not fit the log, or none does, or several fit equally well.
     pub fn select(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
-        Self::find(log, request, Thoroughness::UntilFound, &Kind::USUAL)
+        Self::select_to_show(log, request, &[])
+    }
+
+    /// Like [`select`](Self::select), but also finds the kinds of sample that viewers are shown. Which of several places
+    /// each of them is read from depends on what the messages hold.
+    ///
+    /// # Errors
+    /// Those of [`select`](Self::select).
+    pub fn select_to_show(
+        log: &Log,
+        request: &Request,
+        shown: &'static [Kind],
+    ) -> Result<Self, TelemetryError> {
+        Self::find(log, request, Thoroughness::UntilFound, &Kind::USUAL, shown)
     }
 
     /// Like [`select`](Self::select), but also finds what only a check reads.
@@ -135,7 +148,7 @@ impl Source {
     /// # Errors
     /// Those of [`select`](Self::select).
     pub fn select_for_check(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
-        Self::find(log, request, Thoroughness::UntilFound, &Kind::ALL)
+        Self::find(log, request, Thoroughness::UntilFound, &Kind::CHECKED, &[])
     }
 
     /// Like [`select`](Self::select), but tries every profile, so that all runners-up are known.
@@ -143,7 +156,7 @@ impl Source {
     /// # Errors
     /// Those of [`select`](Self::select).
     pub fn compare(log: &Log, request: &Request) -> Result<Self, TelemetryError> {
-        Self::find(log, request, Thoroughness::All, &Kind::USUAL)
+        Self::find(log, request, Thoroughness::All, &Kind::USUAL, &[])
     }
 
     /// Where schemas leave open which fields JSON messages have, what the messages show goes before what the schemas
@@ -153,10 +166,12 @@ impl Source {
         request: &Request,
         thoroughness: Thoroughness,
         kinds: &'static [Kind],
+        shown: &'static [Kind],
     ) -> Result<Self, TelemetryError> {
         let examples = FirstMessages::new(log);
-        let log_search =
-            |proof| LogSearch::new(log, &examples, request, proof, thoroughness, kinds);
+        let log_search = |proof| {
+            LogSearch::new(log, &examples, request, proof, thoroughness, kinds).showing(shown)
+        };
         let listed = Self::find_by(&log_search(Proof::Listed), request);
         let is_settled = match &listed {
             Ok(source) => source.is_confirmed_by(&log_search(Proof::Shown)),

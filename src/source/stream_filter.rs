@@ -32,7 +32,7 @@ pub struct StreamFilter {
     requested: BTreeSet<Kind>,
     velocity_from: VelocityFrom,
     /// The kinds of sample that are looked for.
-    kinds: &'static [Kind],
+    kinds: Vec<Kind>,
     /// Whether a channel's messages are included, by its id.
     verdicts: HashMap<u16, bool>,
     /// The examples of channels that are not judged yet, from the latest segment.
@@ -48,10 +48,17 @@ impl StreamFilter {
 
     /// Makes a filter for [`Source::select_for_check`](super::Source::select_for_check).
     pub fn for_check(request: &Request) -> Self {
-        Self::of_kinds(request, &Kind::ALL)
+        Self::of_kinds(request, &Kind::CHECKED)
     }
 
-    fn of_kinds(request: &Request, kinds: &'static [Kind]) -> Self {
+    /// The same for [`Source::select_to_show`](super::Source::select_to_show).
+    #[must_use]
+    pub fn showing(mut self, shown: &[Kind]) -> Self {
+        self.kinds.extend(shown);
+        self
+    }
+
+    fn of_kinds(request: &Request, kinds: &[Kind]) -> Self {
         Self {
             profiles: (request.profiles().into_iter())
                 .flat_map(|adapted| [adapted.with_own_attitude(), Some(adapted.profile)])
@@ -60,7 +67,7 @@ impl StreamFilter {
             namespace: request.namespace.clone(),
             requested: request.roles.keys().copied().collect(),
             velocity_from: request.velocity_from,
-            kinds,
+            kinds: kinds.to_vec(),
             verdicts: HashMap::new(),
             examples: BTreeMap::new(),
             segment: 0,

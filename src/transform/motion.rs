@@ -5,6 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
+use super::moment::IncidentKind;
+
 /// Samples that are closer than this, in nanoseconds, are a burst: clocks and buffers, not the drone, decide what lies
 /// between them, and a rotation is noise over nothing. Autopilots estimate at 1 kHz at most.
 pub(super) const BURST: u64 = 1_000_000;
@@ -67,8 +69,8 @@ impl Motion {
         *self == Self::default()
     }
 
-    /// Notes a turn from one attitude sample to the next.
-    pub(super) fn note_turn(&mut self, turn: &Turn) {
+    /// Notes a turn from one attitude sample to the next. Returns what is wrong with it, if it is one that no drone makes.
+    pub(super) fn note_turn(&mut self, turn: &Turn) -> Option<IncidentKind> {
         let Turn {
             time,
             interval,
@@ -78,29 +80,44 @@ impl Motion {
         let camera_cosine = (r0.matrix().dot(r1.matrix()) - 1.0) / 2.0;
         let camera = || camera_cosine.clamp(-1.0, 1.0).acos();
         if *interval < BURST {
-            return see(&mut self.bursts, *time, camera());
+            see(&mut self.bursts, *time, camera());
+            return None;
         }
         // Of half the angle, which is at most a quarter turn.
         let cosine = q0.coords.dot(&q1.coords).abs().min(1.0);
         let drone = || 2.0 * cosine.acos();
+        let mut incident = None;
         if camera_cosine < 0.0 && drone() < FLIP / 2.0 {
             see(&mut self.flips, *time, camera());
+            incident = Some(IncidentKind::Flip(camera()));
         }
         // The angle is at most π times the sine of its half: most turns are seen to be slow without the angle itself.
         let seconds = *interval as f64 / 1e9;
         let fastest = FASTEST_TURN * seconds;
         if PI * PI * (1.0 - cosine * cosine) > fastest * fastest && drone() > fastest {
-            see(&mut self.spins, *time, drone() / seconds);
+            let rate = drone() / seconds;
+            see(&mut self.spins, *time, rate);
+            incident = Some(IncidentKind::Spin(rate));
         }
+        incident
     }
 
-    /// Notes a change of the velocity, in axes that stay the same, over an interval in nanoseconds.
-    pub(super) fn note_change(&mut self, time: u64, interval: u64, change: &Vector3<f64>) {
+    /// Notes a change of the velocity, in axes that stay the same, over an interval in nanoseconds. Returns what is wrong
+    /// with it, if it is one that no drone makes.
+    pub(super) fn note_change(
+        &mut self,
+        time: u64,
+        interval: u64,
+        change: &Vector3<f64>,
+    ) -> Option<IncidentKind> {
         let change = change.norm();
         let acceleration = change / (interval as f64 / 1e9);
-        if interval >= BURST && change > LEAST_CHANGE && acceleration > STRONGEST_ACCELERATION {
+        let is_leap =
+            interval >= BURST && change > LEAST_CHANGE && acceleration > STRONGEST_ACCELERATION;
+        is_leap.then(|| {
             see(&mut self.leaps, time, acceleration);
-        }
+            IncidentKind::Leap(acceleration)
+        })
     }
 }
 

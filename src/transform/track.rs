@@ -24,11 +24,24 @@ pub(super) trait Interpolate: Copy {
 pub(super) enum Unavailable {
     /// The sample after that time may still come.
     Yet,
+    /// Permanently.
+    Forever(Never),
+}
+
+/// Why there never is a value at some time.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Never {
     /// The last sample of this kind is so long ago that no sample can come to interpolate towards: the time
     /// is in a gap if another comes, and outside if none does.
     OutOfReach(Kind),
-    /// Permanently, for this reason.
+    /// For this reason.
     For(DropReason),
+}
+
+impl From<DropReason> for Unavailable {
+    fn from(reason: DropReason) -> Self {
+        Self::Forever(Never::For(reason))
+    }
 }
 
 /// Samples of a quantity in time order, as far back as they are needed.
@@ -66,7 +79,7 @@ impl<T: Interpolate> Track<T> {
     pub(super) fn at(&self, time: u64, soonest: Option<u64>) -> Result<T, Unavailable> {
         let later = self.points.partition_point(|point| point.time <= time);
         let Some(before) = later.checked_sub(1).map(|index| self.points[index]) else {
-            return Err(Unavailable::For(T::OUTSIDE));
+            return Err(T::OUTSIDE.into());
         };
         if before.time == time {
             return Ok(before.value);
@@ -76,15 +89,14 @@ impl<T: Interpolate> Track<T> {
             return Err(if in_reach {
                 Unavailable::Yet
             } else {
-                Unavailable::OutOfReach(T::KIND)
+                Unavailable::Forever(Never::OutOfReach(T::KIND))
             });
         };
         if !self.max_gap.spans(before.time, after.time) {
-            return Err(Unavailable::For(T::IN_GAP));
+            return Err(T::IN_GAP.into());
         }
         let fraction = (time - before.time) as f64 / (after.time - before.time) as f64;
-        let between = before.value.interpolate(&after.value, fraction);
-        between.map_err(Unavailable::For)
+        Ok(before.value.interpolate(&after.value, fraction)?)
     }
 
     /// Forgets what is only needed for times before this one.

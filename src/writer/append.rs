@@ -9,12 +9,11 @@ use super::{
     error::WriteError, original, provenance, summary,
 };
 use crate::{
-    derived::Derived,
     log::{
         Log, ReadError, SegmentReader,
         contents::{Contents, SegmentKind},
     },
-    messages::Format,
+    messages::{Format, Message},
 };
 
 /// Appends new channels to a log.
@@ -60,9 +59,13 @@ impl<'a, W: Write> Appender<'a, W> {
 }
 
 impl<W: Write> LogWriter for Appender<'_, W> {
-    fn write(&mut self, derived: &Derived) -> Result<(), WriteError> {
+    fn write(&mut self, message: Message) -> Result<(), WriteError> {
+        // The messages of a chunk are in the order of their times, so that a viewer that seeks finds few chunks.
+        if (self.batch.times()).is_some_and(|(_, end)| message.log_time() < end) {
+            self.write_batch()?;
+        }
         self.channels
-            .push(derived, &mut self.batch, &mut self.section.added)?;
+            .push(&message, &mut self.batch, &mut self.section.added)?;
         match self.batch.is_full() {
             true => self.write_batch(),
             false => Ok(()),

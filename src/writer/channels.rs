@@ -1,4 +1,4 @@
-//! The channels of the derived quantities: their ids, schemas and messages.
+//! The new channels: their ids, schemas and messages.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,20 +10,19 @@ use super::{
     error::{IdKind, WriteError},
 };
 use crate::{
-    derived::{Derived, Quantity},
     log::{
         Log,
         record::{serialize, serialize_into},
     },
-    messages::{Format, MessageDefinition},
+    messages::{Format, Message, MessageDefinition, Topic},
 };
 
-/// Turns derived values into messages on new channels.
+/// Writes messages on new channels.
 pub struct NewChannels<'a> {
     log: &'a Log,
     format: Format,
-    channels: BTreeMap<Quantity, u16>,
-    messages: BTreeMap<Quantity, u64>,
+    channels: BTreeMap<Topic, u16>,
+    messages: BTreeMap<Topic, u64>,
     /// The ids of their schemas, by name.
     schemas: BTreeMap<&'static str, u16>,
     /// The ids in use, including new ones.
@@ -47,62 +46,66 @@ impl<'a> NewChannels<'a> {
         }
     }
 
-    /// Messages by quantity. One without messages has no channel.
-    pub fn messages(&self) -> BTreeMap<Quantity, u64> {
+    /// Messages by topic. One without messages has no channel.
+    pub fn messages(&self) -> BTreeMap<Topic, u64> {
         self.messages.clone()
     }
 
-    /// Adds a value's message to the batch and, before the first of a topic, also its channel.
+    /// Adds a message to the batch and, before the first of a topic, also its channel. Messages of topics that the format
+    /// does not have are left out.
     ///
     /// # Errors
     /// The log has no id left for a channel.
     pub fn push(
         &mut self,
-        derived: &Derived,
+        message: &Message,
         batch: &mut Batch,
         added: &mut Added,
     ) -> Result<(), WriteError> {
-        let quantity = derived.quantity();
-        let channel_id = match self.channels.get(&quantity) {
+        let topic = self.format.topic(message);
+        let channel_id = match self.channels.get(&topic) {
             Some(&id) => id,
-            None => self.add(quantity, batch, added)?,
+            None => match self.format.definition(topic) {
+                Some(definition) => self.add(topic, &definition, batch, added)?,
+                None => return Ok(()),
+            },
         };
-        let messages = self.messages.entry(quantity).or_default();
+        let messages = self.messages.entry(topic).or_default();
         let header = MessageHeader {
             channel_id,
             // Sequence numbers wrap around, which takes a year of messages at 100 Hz.
             sequence: *messages as u32,
-            log_time: derived.stamp.log_time,
-            publish_time: derived.stamp.publish_time,
+            log_time: message.log_time(),
+            publish_time: message.publish_time(),
         };
         *messages += 1;
         self.body.clear();
         serialize_into(&mut self.body, &header);
-        self.format.encoding.encode(derived, &mut self.body);
+        self.format.encode(message, &mut self.body);
         batch.push_message(header.channel_id, header.log_time, &self.body);
         Ok(())
     }
 
     fn add(
         &mut self,
-        quantity: Quantity,
+        topic: Topic,
+        definition: &MessageDefinition,
         batch: &mut Batch,
         added: &mut Added,
     ) -> Result<u16, WriteError> {
-        let encoding = self.format.encoding;
-        let schema_id = self.schema(&encoding.schema(quantity), batch, added)?;
+        let schema_id = self.schema(definition, batch, added)?;
         let id = take_free_id(&mut self.channel_ids, 0);
         let id = id.ok_or_else(|| no_free_id(self.log, IdKind::Channel))?;
         let channel = serialize(&Channel {
             id,
             schema_id,
-            topic: quantity.topic().to_owned(),
-            message_encoding: encoding.message_encoding().to_owned(),
-            metadata: self.format.channel_metadata.clone(),
+            topic: topic.name().to_owned(),
+            message_encoding: definition.message_encoding.to_owned(),
+            metadata: self.format.channel_metadata(topic),
         });
         batch.push_definition(op::CHANNEL, &channel);
         added.channels.insert(id, channel);
-        self.channels.insert(quantity, id);
+        self.channels.insert(topic, id);
         Ok(id)
     }
 

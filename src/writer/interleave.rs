@@ -21,13 +21,12 @@ use super::{
     error::WriteError, provenance, summary,
 };
 use crate::{
-    derived::Derived,
     log::{
         Damage, Log, SegmentReader,
         contents::{Contents, Segment, SegmentKind},
         record::{Raw, RawMessage, Records},
     },
-    messages::Format,
+    messages::{Format, Message},
 };
 
 /// Rewrites a log with new channels among its chunks. All messages of the result are in chunks.
@@ -111,15 +110,15 @@ impl<W: Write> LogWriter for Interleaver<'_, W> {
         Ok(())
     }
 
-    fn write(&mut self, derived: &Derived) -> Result<(), WriteError> {
+    fn write(&mut self, message: Message) -> Result<(), WriteError> {
         while let Some(&start) = self.starts[..self.epoch_end].get(self.written)
-            && start <= derived.stamp.log_time
+            && start <= message.log_time()
         {
             self.write_batch()?;
             self.write_piece()?;
         }
         self.channels
-            .push(derived, &mut self.batch, &mut self.section.added)?;
+            .push(&message, &mut self.batch, &mut self.section.added)?;
         match self.batch.is_full() {
             true => self.write_batch(),
             false => Ok(()),

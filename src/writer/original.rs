@@ -26,7 +26,7 @@ use crate::{
         fingerprint::Fingerprint,
         record::{AttachmentStart, Records, split},
     },
-    messages::v1::OriginalTail,
+    messages::{Topic, v1::OriginalTail},
 };
 use added::Added;
 use ending::Ending;
@@ -107,9 +107,9 @@ impl Original {
     ///
     /// # Errors
     /// It has one; the error says from where.
-    pub fn check_topics_are_free(&self) -> Result<(), WriteError> {
+    pub fn check_are_free(&self, topics: Vec<Topic>) -> Result<(), WriteError> {
         let lost = self.undone.as_ref().err().copied();
-        provenance::check_topics_are_free(&self.log, lost.unwrap_or(Lost::Rewritten))?;
+        provenance::check_are_free(&self.log, topics, lost.unwrap_or(Lost::Rewritten))?;
         match lost {
             Some(reason @ Lost::Rewritten) if last_tail(&self.log).is_some() => {
                 Err(WriteError::UntrustedOriginal {

@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::{Layout, error::WriteError, original::Lost};
 use crate::{
-    derived::Quantity,
     log::{Log, ReadError},
+    messages::Topic,
     text::Foreign,
 };
 
@@ -19,18 +19,18 @@ pub const NAME: &str = "flightcam";
 const VERSION: &str = "version";
 
 /// The key of the topics that a run wrote, joined by commas.
-const TOPICS: &str = "topics";
+pub(crate) const TOPICS: &str = "topics";
 
 /// The key of the layout.
 const LAYOUT: &str = "layout";
 
 /// The Metadata record of a run: the version, the topics, the layout, and what else the caller knows about it.
 pub(super) fn record(
-    quantities: impl Iterator<Item = Quantity>,
+    topics: impl Iterator<Item = Topic>,
     layout: Layout,
     facts: BTreeMap<String, String>,
 ) -> Metadata {
-    let topics: Vec<&str> = quantities.map(Quantity::topic).collect();
+    let topics: Vec<&str> = topics.map(Topic::name).collect();
     let mut metadata = facts;
     metadata.insert(VERSION.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
     metadata.insert(TOPICS.to_owned(), topics.join(","));
@@ -46,33 +46,33 @@ pub(super) fn record(
 ///
 /// # Errors
 /// It has one; the error says from where.
-pub(super) fn check_topics_are_free(log: &Log, lost: Lost) -> Result<(), WriteError> {
-    for quantity in Quantity::ALL {
+pub(super) fn check_are_free(log: &Log, topics: Vec<Topic>, lost: Lost) -> Result<(), WriteError> {
+    for topic in topics.into_iter().map(Topic::name) {
         let mut channels = log
             .contents
             .definitions
             .channels
             .values()
             .map(|channel| &channel.record);
-        let Some(channel) = channels.find(|channel| channel.topic == quantity.topic()) else {
+        let Some(channel) = channels.find(|channel| channel.topic == topic) else {
             continue;
         };
         let records = log.metadata(NAME)?;
         let ours = records.iter().find(|record| {
             let topics = record.metadata.get(TOPICS);
-            topics.is_some_and(|topics| topics.split(',').any(|topic| topic == quantity.topic()))
+            topics.is_some_and(|topics| topics.split(',').any(|written| written == topic))
         });
         let path = log.file.path().to_owned();
         return Err(match ours {
             Some(record) => WriteError::AlreadyEnriched {
                 path,
-                topic: quantity.topic(),
+                topic,
                 earlier: Box::new(EarlierRun::of(record)),
                 reason: lost,
             },
             None => WriteError::TopicTaken {
                 path,
-                topic: quantity.topic(),
+                topic,
                 schema: (log.contents.schema_of(channel)).map(|schema| schema.name.as_str().into()),
             },
         });

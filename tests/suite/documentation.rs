@@ -223,6 +223,7 @@ fn reference() -> Vec<Key> {
             "Velocity" => "velocity.",
             "Gimbal" => "gimbal.",
             "Position" => "position.",
+            "Height" => "height.",
             "Angular rate" => "angular_rate.",
             "Acceleration" => "acceleration.",
             _ => continue,
@@ -317,6 +318,8 @@ const MINIMAL: &str = r#"
     geodetic = { latitude = "lat", longitude = "lon", altitude = "alt", unit = "degrees" }
     [[position]]
     local = { vector = "p", frame = "ned" }
+    [height]
+    field = "h"
     [angular_rate]
     vector = "w"
     frame = "frd"
@@ -391,7 +394,10 @@ fn the_values_of_a_key_are_as_documented() {
 fn the_keys_of_the_report_are_as_documented() {
     let folder = Folder::with_flight();
     for (command, arguments) in [
-        ("enrich", format!("enrich {LOG} --depression 30 --json")),
+        (
+            "enrich",
+            format!("enrich {LOG} --depression 30 --visuals --json"),
+        ),
         ("inspect", format!("inspect {LOG} --json")),
         ("check", format!("check {LOG} --json")),
         ("restore", format!("restore {RESULT} --json")),

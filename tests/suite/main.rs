@@ -46,9 +46,11 @@ mod cli {
     mod foreign_files;
     mod help;
     mod inspect;
+    mod layout;
     mod profiles;
     // What viewers have trouble with, in words.
     mod viewers;
+    mod visuals;
 }
 
 mod clock {
@@ -80,6 +82,8 @@ mod enrich {
     // Logs whose own numbers show that they were read wrongly.
     mod contradicted;
     mod disk_full;
+    // The ground by heights above it.
+    mod ground;
     // What reaches the disk before what.
     mod durability;
     mod in_place;
@@ -90,6 +94,8 @@ mod enrich {
     mod numbers;
     mod orientation;
     mod velocity_from_position;
+    // What viewers are shown.
+    mod visuals;
 }
 
 mod inspect {
@@ -97,6 +103,17 @@ mod inspect {
     mod telemetry;
     // What viewers have trouble with.
     mod viewers;
+}
+
+mod layout {
+    // Those in the repository.
+    mod committed;
+    // What each kind of flight gets.
+    mod fitting;
+    // Logs that do not say how they were made.
+    mod lost;
+    // Pictures, flight modes.
+    mod own_topics;
 }
 
 mod log {
@@ -122,6 +139,8 @@ mod log {
 mod messages {
     mod camera_orientation;
     mod encoding;
+    // What viewers are shown, in types that they know.
+    mod visuals;
 }
 
 mod reader {
@@ -149,6 +168,8 @@ mod source {
     mod namespaces;
     // One role is given, the rest is the profile's.
     mod overrides;
+    // What flightcam wrote is no telemetry.
+    mod own_channels;
     // What would silently yield wrong numbers.
     mod pitfalls;
     mod profile_toml;
@@ -181,4 +202,17 @@ mod writer {
     mod journal;
     // Logs that claim what was not written by flightcam as its own.
     mod original;
+}
+
+mod visuals {
+    // What all pictures cover.
+    mod coverage;
+    // Where something is not known.
+    mod gaps;
+    // Places on the globe.
+    mod places;
+    // What viewers are shown is where the camera was, looked and went.
+    mod geometry;
+    // The ground by the log's heights.
+    mod ground;
 }

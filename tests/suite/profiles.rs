@@ -339,6 +339,16 @@ fn unusable_samples_are_dropped_and_counted() {
         marked(invalid + velocities)
     );
 
+    // Its heights are valid where its positions are.
+    let not_positions = invalid + velocities;
+    assert_eq!(dropped(local_position, Kind::Height), marked(not_positions));
+
+    // Between valid heights, this one has one of two numbers that stand for none.
+    let heights = dropped("mavros: local position", Kind::Height);
+    let reasons: Vec<DropReason> = heights.keys().copied().collect();
+    assert_eq!(reasons, [DropReason::NonFinite, DropReason::NegativeHeight]);
+    assert_eq!(heights.values().sum::<u64>(), invalid);
+
     let global_position = "px4-ros2: attitude and local position";
     assert_eq!(dropped(global_position, Kind::Position), marked(invalid));
 }

@@ -2,6 +2,9 @@
 //! and the TypeScript library that Foxglove uses. `tests/readers/install` installs them; without them these
 //! tests are skipped with a message, or fail if `FLIGHTCAM_REQUIRE_READERS` is set.
 
+// What viewers are shown.
+mod shown;
+
 use std::{
     collections::BTreeMap,
     fs,

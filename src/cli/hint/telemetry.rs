@@ -61,6 +61,9 @@ fn advice(error: &TelemetryError) -> Option<String> {
             "{}; --trust goes on regardless",
             other_unit(*role, *unit, asked)
         ),
+        TelemetryError::SeveralSources { role, .. } if !has_option(*role) => {
+            "choose one with `select` in the profile".to_owned()
+        }
         TelemetryError::SeveralSources { role, example, .. } => {
             let paths = text::join(example, ",");
             // The units and axes come after the fields.
@@ -72,9 +75,10 @@ fn advice(error: &TelemetryError) -> Option<String> {
             choose_one(&option, in_shell(&format!("{paths}{words}")))
         }
         TelemetryError::SeveralReadings { role, readings, .. } => {
+            let has_option = has_option(*role);
             let role = role.name();
-            let quoted = readings
-                .first()
+            let quoted = (readings.first())
+                .filter(|_| has_option)
                 .map(|reading| format!("{}:…", reading.quoted()));
             match quoted.and_then(|quoted| in_shell(&quoted)) {
                 Some(argument) => format!(
@@ -91,6 +95,11 @@ fn advice(error: &TelemetryError) -> Option<String> {
         TelemetryError::ProfileDoesNotFit { misfit, .. } => give_fields(misfit)?,
         _ => return None,
     })
+}
+
+/// Whether an option says where a role is. Others are only in profiles.
+fn has_option(role: Kind) -> bool {
+    role != Kind::Height
 }
 
 fn choose_one(option: &str, example: Option<String>) -> String {

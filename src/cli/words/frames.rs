@@ -105,6 +105,7 @@ fn reading(reading: Reading) -> String {
             unit.name(),
             length(altitude_unit)
         ),
+        Reading::Height { unit } => format!("{} above the ground", length(unit)),
         other => format!("{other:?}"),
     }
 }

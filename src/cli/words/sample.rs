@@ -56,6 +56,7 @@ pub fn first_sample(sample: &FirstSample) -> String {
         FirstSample::PositionLocal { north, east, down } => {
             format!("north {north:.1}, east {east:.1}, down {down:.1} m")
         }
+        FirstSample::Height { metres } => format!("{metres:.1} m above the ground"),
         FirstSample::AngularRate { front, right, down } => {
             format!("front {front:.2}, right {right:.2}, down {down:.2} rad/s")
         }

@@ -11,8 +11,8 @@ use crate::{
     },
     source::profile::{
         AccelerationFields, AngularRateFields, AttitudeFields, Components, Condition, Coordinates,
-        Euler, GimbalFields, OptionalField, Orientation, Pitch, Quaternion, RoleFields, SampleTime,
-        Test, TimeField, VelocityFields, convention::QuaternionOrder,
+        Euler, GimbalFields, HeightFields, OptionalField, Orientation, Pitch, Quaternion,
+        RoleFields, SampleTime, Test, TimeField, VelocityFields, convention::QuaternionOrder,
     },
 };
 
@@ -90,6 +90,10 @@ impl<'a> Binder<'a> {
             RoleFields::Position(coordinates) => {
                 RoleFields::Position(self.coordinates(coordinates)?)
             }
+            RoleFields::Height(height) => RoleFields::Height(HeightFields {
+                field: self.number(&height.field)?,
+                unit: height.unit,
+            }),
             RoleFields::AngularRate(rate) => RoleFields::AngularRate(AngularRateFields {
                 vector: self.components(&rate.vector, XYZ)?,
                 frame: rate.frame,

@@ -196,6 +196,7 @@ fn usual(
             };
             (reading, said)
         }
+        RoleFields::Height(height) => (Reading::Height { unit: height.unit }, said),
         RoleFields::AngularRate(rate) => {
             let reading = Reading::AngularRate {
                 axes: rate.frame,

@@ -57,7 +57,7 @@ impl Conversion {
                 axes: Axes::Body(axes),
                 ..same
             },
-            Reading::Pitch { .. } | Reading::Geodetic { .. } => same,
+            Reading::Pitch { .. } | Reading::Geodetic { .. } | Reading::Height { .. } => same,
         }
     }
 
@@ -269,6 +269,7 @@ fn by_name(usual: Reading, first: &str, second: &str) -> Result<Reading, Unclear
         },
         Reading::Pitch { .. }
         | Reading::Geodetic { .. }
+        | Reading::Height { .. }
         | Reading::AngularRate { .. }
         | Reading::Acceleration { .. } => usual,
     })

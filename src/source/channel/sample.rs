@@ -11,8 +11,8 @@ use crate::{
     geometry::RollPitchYaw,
     log::record::RawMessage,
     sample::{
-        AccelerationSample, AngularRateSample, AttitudeSample, DropReason, GimbalSample, Position,
-        PositionSample, Sample, Stamp, VelocitySample,
+        AccelerationSample, AngularRateSample, AttitudeSample, DropReason, GimbalSample,
+        HeightSample, Position, PositionSample, Sample, Stamp, VelocitySample,
     },
     source::{
         bind::{Reading, Slot, TimeSlots},
@@ -88,6 +88,14 @@ impl Reading {
                 position: coordinates.read(values, conversion)?,
                 resets: self.resets.read(values),
             }),
+            RoleFields::Height(height) => {
+                let [number] = Components::Each([height.field]).finite(values)?;
+                let metres = number / height.unit.per_metre();
+                if metres < 0.0 {
+                    return Err(DropReason::NegativeHeight);
+                }
+                Sample::Height(HeightSample { stamp, metres })
+            }
             RoleFields::AngularRate(fields) => {
                 let numbers = Vector3::from(fields.vector.finite(values)?);
                 let rate = numbers / fields.unit.per_radian_per_second();

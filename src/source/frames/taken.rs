@@ -95,6 +95,11 @@ pub enum Reading {
         /// The unit of the altitude.
         altitude_unit: LengthUnit,
     },
+    /// A height above the ground.
+    Height {
+        /// Its unit.
+        unit: LengthUnit,
+    },
 }
 
 /// Why axes were taken.

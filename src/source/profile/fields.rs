@@ -30,6 +30,8 @@ pub enum RoleFields<F = FieldPath> {
     Gimbal(GimbalFields<F>),
     /// Fields of the drone's position.
     Position(Coordinates<F>),
+    /// The field of its height above the ground.
+    Height(HeightFields<F>),
     /// Fields of its angular rates.
     AngularRate(AngularRateFields<F>),
     /// Fields of its accelerations.
@@ -140,6 +142,16 @@ pub enum Coordinates<F = FieldPath> {
     },
 }
 
+/// The drone's height above the ground.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+pub struct HeightFields<F = FieldPath> {
+    /// The height.
+    pub field: F,
+    /// Its unit.
+    #[serde(default)]
+    pub unit: LengthUnit,
+}
+
 /// An orientation.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
@@ -218,6 +230,7 @@ impl<F> RoleFields<F> {
             Self::Velocity(_) => Kind::Velocity,
             Self::Gimbal(_) => Kind::Gimbal,
             Self::Position(_) => Kind::Position,
+            Self::Height(_) => Kind::Height,
             Self::AngularRate(_) => Kind::AngularRate,
             Self::Acceleration(_) => Kind::Acceleration,
         }
@@ -238,6 +251,7 @@ impl<F> RoleFields<F> {
                 altitude,
                 ..
             }) => vec![latitude, longitude, altitude],
+            Self::Height(height) => vec![&height.field],
         }
     }
 
@@ -248,6 +262,7 @@ impl<F> RoleFields<F> {
             Self::Gimbal(gimbal) => &gimbal.orientation,
             Self::Velocity(_)
             | Self::Position(_)
+            | Self::Height(_)
             | Self::AngularRate(_)
             | Self::Acceleration(_) => return None,
         };
@@ -297,6 +312,7 @@ impl RoleFields {
                 let InRole { coordinates } = InRole::deserialize(role)?;
                 Self::Position(coordinates)
             }
+            Kind::Height => Self::Height(HeightFields::deserialize(role)?),
             Kind::AngularRate => Self::AngularRate(AngularRateFields::deserialize(role)?),
             Kind::Acceleration => Self::Acceleration(AccelerationFields::deserialize(role)?),
         })

@@ -12,7 +12,7 @@ use toml::{
 
 use super::{
     AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Coordinates, GimbalFields,
-    Location, Profile, RoleFields, Roles, SampleTime, VelocityFields, Written,
+    HeightFields, Location, Profile, RoleFields, Roles, SampleTime, VelocityFields, Written,
     error::{BadRole, NotAProfile, Problem},
     yes,
 };
@@ -24,9 +24,10 @@ use crate::{
 };
 
 /// The keys of a role below which there are paths.
-const WITH_PATHS: [&str; 8] = [
+const WITH_PATHS: [&str; 9] = [
     "orientation",
     "vector",
+    "field",
     "geodetic",
     "local",
     "valid",
@@ -168,6 +169,7 @@ fn keys_of(role: Kind) -> Vec<&'static str> {
         Kind::Velocity => keys::of::<VelocityFields>(),
         Kind::Gimbal => keys::of::<GimbalFields>(),
         Kind::Position => keys::of::<Coordinates>(),
+        Kind::Height => keys::of::<HeightFields>(),
         Kind::AngularRate => keys::of::<AngularRateFields>(),
         Kind::Acceleration => keys::of::<AccelerationFields>(),
     };

@@ -11,8 +11,8 @@ use crate::{
     sample::{GimbalReference, Kind},
     source::profile::{
         AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Components,
-        Coordinates, Euler, GimbalFields, Location, Orientation, Pitch, Quaternion, RoleFields,
-        SampleTime, TimeField, VelocityFields, Written,
+        Coordinates, Euler, GimbalFields, HeightFields, Location, Orientation, Pitch, Quaternion,
+        RoleFields, SampleTime, TimeField, VelocityFields, Written,
         convention::{AngleUnit, Axes, WorldAxes},
     },
 };
@@ -64,6 +64,7 @@ impl RoleArgument {
             Kind::Velocity => RoleFields::Velocity(velocity(&fields, &mut words)?),
             Kind::Gimbal => RoleFields::Gimbal(gimbal(&fields, &mut words)?),
             Kind::Position => RoleFields::Position(position(&fields, &mut words)?),
+            Kind::Height => RoleFields::Height(height(&fields, &mut words)?),
             Kind::AngularRate => RoleFields::AngularRate(AngularRateFields {
                 vector: components(role, &fields)?,
                 frame: words.take().ok_or(BadArgument::NoBodyAxes)?,
@@ -167,6 +168,19 @@ fn position(fields: &[FieldPath], words: &mut Words) -> Result<Coordinates, BadA
             unit: words.take().unwrap_or_default(),
         }),
         _ => Err(BadArgument::NotAPosition),
+    }
+}
+
+fn height(fields: &[FieldPath], words: &mut Words) -> Result<HeightFields, BadArgument> {
+    match fields {
+        [field] => Ok(HeightFields {
+            field: field.clone(),
+            unit: words.take().unwrap_or_default(),
+        }),
+        _ => Err(BadArgument::FieldCount {
+            count: fields.len(),
+            role: Kind::Height,
+        }),
     }
 }
 

@@ -106,6 +106,7 @@ fn takes(role: Kind) -> &'static str {
             "an attitude takes one (a quaternion), three (roll, pitch, yaw) or four (w, x, y, z)"
         }
         Kind::Velocity => "a velocity takes one (a vector) or three",
+        Kind::Height => "a height takes one",
         Kind::AngularRate => "angular rates take one (a vector) or three",
         Kind::Acceleration => "accelerations take one (a vector) or three",
         Kind::Gimbal => {

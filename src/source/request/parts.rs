@@ -142,6 +142,7 @@ pub fn vocabulary(role: Kind) -> Vocabulary {
             CONVENTIONS,
         ],
         Kind::Position => &[GLOBE_UNITS, WORLD_AXES, LENGTH_UNITS],
+        Kind::Height => &[LENGTH_UNITS],
         Kind::AngularRate => &[BODY_AXES, RATE_UNITS],
         Kind::Acceleration => &[BODY_AXES, ACCELERATION_UNITS],
     }

@@ -16,6 +16,7 @@ use crate::{
     source::{
         bind::BindError,
         error::{Misfit, TelemetryError, TopicMisfit, Unfit},
+        own,
         pattern::{Pattern, is_within},
         profile::{Alternative, Profile},
         request::{Adapted, Request, RoleArgument},
@@ -41,6 +42,8 @@ pub struct LogSearch<'a> {
     pub thoroughness: Thoroughness,
     /// The kinds of sample that are looked for.
     pub kinds: &'static [Kind],
+    /// Those that viewers are shown, which are looked for, too.
+    pub shown: &'static [Kind],
 }
 
 impl<'a> LogSearch<'a> {
@@ -54,7 +57,15 @@ impl<'a> LogSearch<'a> {
         kinds: &'static [Kind],
     ) -> Self {
         let mut topics: BTreeMap<&str, Vec<&Channel>> = BTreeMap::new();
+        let named = |topic: &str| {
+            let mut arguments = request.roles.values();
+            arguments.any(|argument| argument.topics().iter().any(|name| name == topic))
+        };
         for (channel, _) in log.contents.channels_with_messages() {
+            let is_named = named(&channel.topic);
+            if own::is_own(log, channel) || (!is_named && own::is_like_own(log, channel)) {
+                continue;
+            }
             topics.entry(&channel.topic).or_default().push(channel);
         }
         Self {
@@ -67,12 +78,25 @@ impl<'a> LogSearch<'a> {
             velocity_from: request.velocity_from,
             thoroughness,
             kinds,
+            shown: &[],
         }
+    }
+
+    /// The same search, which also looks for the kinds of sample that viewers are shown.
+    pub fn showing(self, shown: &'static [Kind]) -> Self {
+        Self { shown, ..self }
+    }
+
+    /// Whether a kind of sample is looked for.
+    pub fn looks_for(&self, kind: Kind) -> bool {
+        self.kinds.contains(&kind) || self.shown.contains(&kind)
     }
 
     /// Whether it matters which of several places a kind of sample is read from, so that their messages are looked at.
     pub fn looks_at(&self, kind: Kind) -> bool {
-        self.thoroughness == Thoroughness::All || derived_from(self.velocity_from).contains(&kind)
+        self.thoroughness == Thoroughness::All
+            || derived_from(self.velocity_from).contains(&kind)
+            || self.shown.contains(&kind)
     }
 
     /// How many messages a topic has.

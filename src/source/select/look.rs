@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::{
     log::{Log, ReadError, SegmentReader, contents::Segment},
-    sample::Tally,
+    sample::{DropReason, Sample, Tally},
     source::channel::ChannelReader,
 };
 
@@ -51,6 +51,9 @@ impl Look {
                     if let Some(channel) = channel.filter(|_| place % step == 0) {
                         read += 1;
                         channel.read(&message, |_, sample| match sample {
+                            Ok(Sample::Position(sample)) if !sample.position.is_a_place() => {
+                                tally.count_dropped(DropReason::NotAPlace, 1);
+                            }
                             Ok(_) => tally.used += 1,
                             Err(reason) => tally.count_dropped(reason, 1),
                         });

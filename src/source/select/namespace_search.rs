@@ -61,7 +61,7 @@ impl<'a> NamespaceSearch<'a> {
     pub fn complete(&self, attitude: Chosen, own: &str) -> Result<Fit, Unfit> {
         let mut others = BTreeMap::new();
         for kind in Kind::ALL.into_iter().filter(|&kind| kind != Kind::Attitude) {
-            let chosen = match self.log_search.kinds.contains(&kind) {
+            let chosen = match self.log_search.looks_for(kind) {
                 true => self.choose(kind, Some(own)),
                 false => Err(self.why_nowhere(kind, None).into()),
             };

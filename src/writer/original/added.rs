@@ -6,7 +6,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use mcap::records::{Channel, ChunkHeader, Metadata, op};
 
 use crate::{
-    derived::Quantity,
     log::{
         ReadError,
         chunk::ChunkDecoder,
@@ -16,6 +15,7 @@ use crate::{
         record::{MAX_RECORD, MessageIndexStart, RawMessage, split},
         scan::{Bodies, Next, Walker},
     },
+    messages::Topic,
     writer::provenance,
 };
 
@@ -26,7 +26,7 @@ pub struct Added {
     indexed: BTreeMap<u16, u64>,
     schemas: BTreeSet<u16>,
     /// The channels: their topics, and the ids of their schemas.
-    channels: BTreeMap<u16, (Quantity, u16)>,
+    channels: BTreeMap<u16, (Topic, u16)>,
     /// Where the messages are; not known as long as none came.
     placement: Option<Placement>,
 }
@@ -137,7 +137,7 @@ impl Added {
             }
             op::CHANNEL => {
                 let (channel, appended) = split::<Channel>(body).ok()?;
-                let topic = quantity(&channel)?;
+                let topic = Topic::of_name(&channel.topic)?;
                 let is_known = self.channels.values().any(|(known, _)| *known == topic);
                 let same_id = self.channels.insert(channel.id, (topic, channel.schema_id));
                 (!is_known && same_id.is_none() && appended.is_empty()).then_some(())
@@ -159,7 +159,8 @@ impl Added {
         let definitions = &original.definitions;
         let has_topic = (definitions.channels.values()).any(|channel| {
             // What another program wrote on these topics could not be told apart.
-            quantity(&channel.record).is_some()
+            let topic = Topic::of_name(&channel.record.topic);
+            topic.is_some_and(|topic| self.channels.values().any(|(added, _)| *added == topic))
         });
         let placement = match original.has_loose_messages() {
             true => Placement::Loose,
@@ -173,12 +174,6 @@ impl Added {
             && self.placement == Some(placement)
             && self.indexed == missing_entries(original)
     }
-}
-
-/// The quantity whose topic a channel has.
-fn quantity(channel: &Channel) -> Option<Quantity> {
-    let mut quantities = Quantity::ALL.into_iter();
-    quantities.find(|quantity| quantity.topic() == channel.topic)
 }
 
 /// Whether the body of a Metadata record is that of the record that says how the messages were made.

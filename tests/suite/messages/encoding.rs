@@ -336,6 +336,7 @@ fn log_with(
 #[test]
 fn ros2_channels_of_a_type_share_its_schema_and_have_the_telemetrys_quality_of_service() {
     const QOS: &str = "offered_qos_profiles";
+    let version = ("flightcam".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
     for qos in ["- history: 1\n  depth: 10", ""] {
         let log = log_with(WriteOptions::new(), 0, |_| match qos {
             "" => BTreeMap::new(),
@@ -350,8 +351,8 @@ fn ros2_channels_of_a_type_share_its_schema_and_have_the_telemetrys_quality_of_s
         let types = ["Vector3Stamped", "QuaternionStamped", "Vector3Stamped"];
         for (channel, name) in channels.iter().zip(types) {
             assert_eq!(channel.message_encoding, "cdr");
-            let expected = BTreeMap::from([(QOS.to_owned(), qos.to_owned())]);
-            assert_eq!(channel.metadata, expected);
+            let expected = [version.clone(), (QOS.to_owned(), qos.to_owned())];
+            assert_eq!(channel.metadata, expected.into());
             let schema = channel.schema.as_ref().expect("a schema");
             assert_eq!(schema.name, format!("geometry_msgs/msg/{name}"));
             assert_eq!(schema.encoding, "ros2msg");
@@ -360,7 +361,8 @@ fn ros2_channels_of_a_type_share_its_schema_and_have_the_telemetrys_quality_of_s
 
         let (result, _) = enriched(&log, Encoding::Json);
         let channels = derived_channels(&result);
-        assert!(channels.iter().all(|channel| channel.metadata.is_empty()));
+        let expected = BTreeMap::from([version.clone()]);
+        assert!(channels.iter().all(|channel| channel.metadata == expected));
     }
 }
 

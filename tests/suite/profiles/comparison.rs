@@ -10,7 +10,7 @@ use flightcam::{
     geometry::DepressionAngle,
     log::{Log, ReadError},
     reader::Reader,
-    sample::{Position, Sample, Tallies},
+    sample::{Kind, Position, Sample, Tallies},
     source::{
         Source,
         profile::{Profile, ProfileChoice},
@@ -45,7 +45,8 @@ pub fn read(log: &[u8], request: &Request) -> Result<Readings, String> {
     let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
     file.write_all(log).expect("written");
     let log = Log::open(file.path()).map_err(|error| error.to_string())?;
-    let source = Source::select(&log, request).map_err(|error| error.to_string())?;
+    let source = Source::select_to_show(&log, request, &[Kind::Height]);
+    let source = source.map_err(|error| error.to_string())?;
     let profile = source.profile.name.clone();
     let mut samples = Vec::new();
     let read = Reader::new(&log, source).and_then(|reader| {
@@ -161,7 +162,11 @@ fn angles(r: &Matrix3<f64>) -> [f64; 3] {
     [roll, pitch, yaw]
 }
 
-fn distance(one: &Series, other: &Series, distance: impl Fn(f64, f64) -> f64) -> f64 {
+fn distance<const N: usize>(
+    one: &BTreeMap<u64, [f64; N]>,
+    other: &BTreeMap<u64, [f64; N]>,
+    distance: impl Fn(f64, f64) -> f64,
+) -> f64 {
     if !one.keys().eq(other.keys()) {
         return f64::INFINITY;
     }
@@ -187,6 +192,7 @@ pub struct Expectation {
     /// What each camera must do, and how exactly.
     cameras: Vec<(&'static str, Camera, Motion, f64)>,
     positions: Option<(Series, f64)>,
+    heights: Option<(BTreeMap<u64, [f64; 1]>, f64)>,
 }
 
 impl Expectation {
@@ -225,7 +231,16 @@ impl Expectation {
                 ),
             }
         });
-        Self { cameras, positions }
+        let heights = recording.height.map(|tolerance| {
+            let times = flight.position_times.iter();
+            let heights = times.map(|&time| (time, [flight.height(time)]));
+            (heights.collect(), tolerance)
+        });
+        Self {
+            cameras,
+            positions,
+            heights,
+        }
     }
 
     /// How far off each result is.
@@ -243,9 +258,15 @@ impl Expectation {
             amount: distance(expected, &positions(samples), |a, b| (a - b).abs()),
             tolerance: *tolerance,
         };
+        let of_heights = |(expected, tolerance): &(BTreeMap<u64, [f64; 1]>, f64)| Difference {
+            what: "height",
+            amount: distance(expected, &heights(samples), |a, b| (a - b).abs()),
+            tolerance: *tolerance,
+        };
         let cameras = self.cameras.iter().map(of_camera);
         cameras
             .chain(self.positions.iter().map(of_positions))
+            .chain(self.heights.iter().map(of_heights))
             .collect()
     }
 
@@ -293,4 +314,13 @@ fn positions(samples: &[Sample]) -> Series {
         _ => None,
     });
     positions.collect()
+}
+
+/// Heights above the ground in metres.
+fn heights(samples: &[Sample]) -> BTreeMap<u64, [f64; 1]> {
+    let heights = samples.iter().filter_map(|sample| match sample {
+        Sample::Height(sample) => Some((sample.stamp.log_time, [sample.metres])),
+        _ => None,
+    });
+    heights.collect()
 }

@@ -5,8 +5,9 @@ use flightcam::{
     sample::{GimbalReference, Kind},
     source::{
         profile::{
-            Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields, Location,
-            Orientation, Pitch, Quaternion, RoleFields, SampleTime, TimeField, VelocityFields,
+            Alternative, AttitudeFields, Components, Coordinates, Euler, GimbalFields,
+            HeightFields, Location, Orientation, Pitch, Quaternion, RoleFields, SampleTime,
+            TimeField, VelocityFields,
             convention::{
                 AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit, PositiveDirection,
                 QuaternionOrder, SpeedUnit, TimeUnit, WorldAxes,
@@ -493,6 +494,25 @@ mod position {
             ],
         );
     }
+}
+
+#[test]
+fn a_height_is_one_field_and_its_unit() {
+    for (argument, unit) in [
+        ("/range.distance", LengthUnit::Metres),
+        ("/range.distance:cm", LengthUnit::Centimetres),
+    ] {
+        let field = field("distance");
+        let expected = on("/range", RoleFields::Height(HeightFields { field, unit }));
+        assert_eq!(parsed(Kind::Height, argument), expected, "{argument}");
+    }
+    complains(
+        Kind::Height,
+        &[
+            ("/range.a,/range.b", "2 fields … a height takes one"),
+            ("/range.distance:km", "km … m, cm or mm"),
+        ],
+    );
 }
 
 #[test]

@@ -119,9 +119,15 @@ const LOCAL: &str = r#"
     position = { schemas = ["P"], local = { vector = "p", frame = "ned" } }
 "#;
 
+const HEIGHTS: &str = r#"
+    name = "heights"
+    attitude.orientation.quaternion = "q"
+    height = [{ field = '/range."distance.cm"', unit = "cm", valid = ["/range.ok"] }, { field = "agl" }]
+"#;
+
 #[test]
 fn a_users_profile_is_written_as_before() {
-    for toml in [EVERYTHING, LEAST, ONE_OF_EACH, LOCAL] {
+    for toml in [EVERYTHING, LEAST, ONE_OF_EACH, LOCAL, HEIGHTS] {
         let profile = parsed(toml);
         is_written_as(&profile, &profile.name);
     }

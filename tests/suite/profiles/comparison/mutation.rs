@@ -39,7 +39,7 @@ pub fn mutations(profile: &str) -> Vec<Mutation> {
 
 /// The alternatives of each role.
 fn roles(profile: &Table) -> impl Iterator<Item = (&'static str, Vec<Value>)> {
-    let roles = ["attitude", "velocity", "gimbal", "position"].into_iter();
+    let roles = ["attitude", "velocity", "gimbal", "position", "height"].into_iter();
     roles.filter_map(|role| match profile.get(role)? {
         Value::Array(alternatives) => Some((role, alternatives.clone())),
         alternative => Some((role, vec![alternative.clone()])),

@@ -172,6 +172,11 @@ impl Flight {
         }
     }
 
+    /// How high the drone is above the ground, in metres.
+    pub fn height(&self, time: u64) -> f64 {
+        60.0 + 7.0 * since_start(time).sin()
+    }
+
     /// The angular rates about the drone's front, right, down, in rad/s, and what its accelerometer feels along them, in m/s².
     pub fn felt(&self, time: u64) -> [Vector3<f64>; 2] {
         match &self.simulated {

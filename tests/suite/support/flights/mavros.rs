@@ -15,9 +15,11 @@ pub fn recordings() -> Vec<Recording> {
             log.world_twist("/mavros/local_position/velocity_local");
             log.fix("/mavros/global_position/global");
             gimbal(&mut log, 32);
+            altitude(&mut log);
         })
         .with_gimbal(Reference::Heading)
-        .with_geodetic(1e-9),
+        .with_geodetic(1e-9)
+        .with_heights(1e-5),
         recording(
             "IMU and body velocity in ROS 1",
             ros1,
@@ -26,9 +28,11 @@ pub fn recordings() -> Vec<Recording> {
                 log.imu("/mavros/imu/data");
                 log.body_twist("/mavros/local_position/velocity_body");
                 log.fix("/mavros/global_position/global");
+                altitude(&mut log);
             },
         )
-        .with_geodetic(1e-9),
+        .with_geodetic(1e-9)
+        .with_heights(1e-5),
         recording("odometry", ros2, Flight::in_one_message(), |mut log| {
             log.odometry("/mavros/local_position/odom");
             gimbal(&mut log, 64);
@@ -93,6 +97,22 @@ fn pose_with_position() -> Flight {
         position_times: flight.attitude_times.clone(),
         ..flight
     }
+}
+
+/// Heights at the times of positions, in float32, and in between what stands for none.
+fn altitude(log: &mut Ros) {
+    let flight = log.flight;
+    let mut times = [&flight.position_times[..], &flight.invalid_times[..]].concat();
+    times.sort_unstable();
+    let message = "mavros_msgs/Altitude";
+    log.topic("/mavros/altitude", message, &times, |time| {
+        let clearance = match (flight.position_times.contains(&time), time / 10_000_000 % 2) {
+            (true, _) => flight.height(time),
+            (false, 0) => f64::NAN,
+            (false, _) => -1.0,
+        };
+        Wanted::new().number("bottom_clearance", clearance)
+    });
 }
 
 /// MAVLink's attitude as it is: FRD, from the horizon.

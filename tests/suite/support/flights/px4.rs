@@ -46,7 +46,7 @@ impl Px4<'_> {
         )
     }
 
-    /// Velocities at their times, positions at theirs, and in between messages that are marked invalid.
+    /// Velocities at their times, positions and heights at theirs, and in between messages that are marked invalid.
     pub fn vehicle_local_position(&mut self, release: &str) -> &mut Self {
         let flight = self.flight;
         let message = |&time: &u64, has_velocity: bool, has_position: bool| {
@@ -64,7 +64,16 @@ impl Px4<'_> {
                 .numbers(["vx", "vy", "vz"], velocity.into())
                 .numbers(["x", "y", "z"], position.into())
                 .numbers(["v_xy_valid", "v_z_valid"], marks(has_velocity, time))
-                .numbers(["xy_valid", "z_valid"], marks(has_position, time));
+                .numbers(["xy_valid", "z_valid"], marks(has_position, time))
+                .number(
+                    "dist_bottom",
+                    if has_position {
+                        flight.height(time)
+                    } else {
+                        77.0
+                    },
+                )
+                .number("dist_bottom_valid", f64::from(u8::from(has_position)));
             (time, wanted)
         };
         let velocities = flight

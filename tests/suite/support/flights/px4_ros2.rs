@@ -17,7 +17,8 @@ pub fn recordings() -> Vec<Recording> {
             log.sensor_combined("1.17");
         })
         .with_gimbal(Reference::Heading)
-        .with_geodetic(float_metres),
+        .with_geodetic(float_metres)
+        .with_heights(HEIGHTS),
         recording("big-endian", Flight::new(), |log| {
             let mut log = Px4 {
                 schema: big_endian,
@@ -27,7 +28,8 @@ pub fn recordings() -> Vec<Recording> {
             log.gimbal("1.17", 64).vehicle_gps_position("1.17");
         })
         .with_gimbal(Reference::Earth)
-        .with_geodetic(1e-9),
+        .with_geodetic(1e-9)
+        .with_heights(HEIGHTS),
         recording("odometry in NED", Flight::in_one_message(), |mut log| {
             log.vehicle_odometry("1.17", |_| Ned).gimbal("1.17", 16);
         })
@@ -68,7 +70,8 @@ pub fn recordings() -> Vec<Recording> {
                 .gimbal("1.13", 0);
         })
         .with_gimbal(Reference::Heading)
-        .with_local(float_metres),
+        .with_local(float_metres)
+        .with_heights(HEIGHTS),
         legacy(
             "1.13, odometry in NED",
             Flight::in_one_message(),
@@ -87,6 +90,9 @@ pub fn recordings() -> Vec<Recording> {
         .with_local(float_metres),
     ]
 }
+
+/// What float32 leaves of a height of 60 m.
+const HEIGHTS: f64 = 1e-5;
 
 /// One message has the attitude and the velocity, another the position.
 fn in_one_message_with_gps() -> Flight {

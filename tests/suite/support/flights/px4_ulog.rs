@@ -61,8 +61,13 @@ pub fn recordings() -> Vec<Recording> {
 const FLOAT_METRES: f64 = 1e-4;
 const MILLIMETRE: f64 = 1e-3;
 
+/// What float32 leaves of a height of 60 m.
+const HEIGHTS: f64 = 1e-5;
+
 fn recording(name: &str, write: impl Fn(&Flight, &mut Recorder) + 'static) -> Recording {
-    Recording::new("px4-ulog", name, Flight::new(), write).with_floats()
+    Recording::new("px4-ulog", name, Flight::new(), write)
+        .with_floats()
+        .with_heights(HEIGHTS)
 }
 
 fn converted<'a>(

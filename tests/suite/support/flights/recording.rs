@@ -16,6 +16,8 @@ pub struct Recording {
     pub gimbal: Option<Reference>,
     /// What the log has of the position.
     pub position: Option<Position>,
+    /// How exact the heights above the ground are in metres, where the log has them.
+    pub height: Option<f64>,
     write: Write,
 }
 
@@ -71,6 +73,7 @@ impl Recording {
             precision: Precision::Double,
             gimbal: None,
             position: None,
+            height: None,
             write: Box::new(write),
         }
     }
@@ -93,6 +96,12 @@ impl Recording {
     pub fn with_local(self, tolerance: f64) -> Self {
         let position = Some(Position::Local { tolerance });
         Self { position, ..self }
+    }
+
+    /// With heights at the times of positions.
+    pub fn with_heights(self, tolerance: f64) -> Self {
+        let height = Some(tolerance);
+        Self { height, ..self }
     }
 
     /// The same recording of a flight of other times.
