@@ -46,6 +46,11 @@ def choose_contestants(tools, also):
     return [
         Contestant("cp", ["cp", "--reflink=never", "{input}", "{output}"], "copy"),
         Contestant("flightcam enrich", [*enrich, "{input}", "-o", "{output}"], "appended"),
+        Contestant(
+            "flightcam enrich --visuals",
+            [*enrich, "--visuals", "--hfov", "70", "--vfov", "50", "{input}", "-o", "{output}"],
+            "shown",
+        ),
         Contestant("flightcam enrich --in-place", [*enrich, "{output}", "--in-place"], "appended"),
         Contestant(
             "flightcam enrich --layout interleaved",

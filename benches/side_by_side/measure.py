@@ -19,6 +19,7 @@ class Measurement:
     user: float
     system: float
     peak_bytes: int
+    output_bytes: int
 
 
 def adopt_orphans():
@@ -47,4 +48,5 @@ def measure(command, output, stdin=os.devnull, stdout=os.devnull):
         seconds = time.perf_counter() - start
     if status != 0:
         raise subprocess.CalledProcessError(os.waitstatus_to_exitcode(status), command)
-    return Measurement(seconds, usage.ru_utime, usage.ru_stime, usage.ru_maxrss * 1024)
+    output_bytes = os.stat(output).st_size
+    return Measurement(seconds, usage.ru_utime, usage.ru_stime, usage.ru_maxrss * 1024, output_bytes)
