@@ -230,11 +230,17 @@ mod on_unix {
     #[test]
     fn a_second_signal_ends_the_program_at_once() {
         let (folder, log) = folder_with_long_log();
-        let program = start(&folder, "enrich flight.mcap --depression 30 --in-place");
-        // Stopped meanwhile, so that both come before it can do anything about the first.
-        signal(&program, &["STOP", "INT", "TERM", "CONT"]);
-        assert_eq!(ended(program), (Some(1), String::new()));
-        assert!(folder.read_only_one(LOG) == log);
+        let says_nothing = |_| {
+            let program = start(&folder, "enrich flight.mcap --depression 30 --in-place");
+            // Stopped meanwhile, so that both come before it can do anything about the first.
+            signal(&program, &["STOP", "INT", "TERM", "CONT"]);
+            let (code, words) = ended(program);
+            assert_eq!(code, Some(1));
+            assert!(folder.read_only_one(LOG) == log);
+            words.is_empty()
+        };
+        // Another of its threads may see the first before the second is delivered, but not each time.
+        assert!((0..10).any(says_nothing));
     }
 
     #[test]
