@@ -17,27 +17,21 @@ const FIELD_TO_PLOT: Option<&str> = Some("yaw");
 /// The definitions for ROS 2 are those of `common_interfaces` and `rcl_interfaces`, joined as rosbag2 does.
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: protobuf::SCHEMA_ENCODING,
-            data: include_bytes!(concat!(env!("OUT_DIR"), "/camera_orientation.bin")),
-            field_to_plot: FIELD_TO_PLOT,
-        },
-        Encoding::Json => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: json::SCHEMA_ENCODING,
-            data: include_bytes!("../../schemas/flightcam.v1.CameraOrientation.json"),
-            field_to_plot: FIELD_TO_PLOT,
-        },
-        Encoding::Ros2 => MessageDefinition {
-            name: "geometry_msgs/msg/QuaternionStamped",
-            message_encoding: encoding.message_encoding(),
-            encoding: ros2::SCHEMA_ENCODING,
-            data: include_bytes!("../../schemas/geometry_msgs.QuaternionStamped.msg"),
-            field_to_plot: Some("quaternion.z"),
-        },
+        Encoding::Protobuf => protobuf::definition(
+            NAME,
+            include_bytes!(concat!(env!("OUT_DIR"), "/camera_orientation.bin")),
+            FIELD_TO_PLOT,
+        ),
+        Encoding::Json => json::definition(
+            NAME,
+            include_bytes!("../../schemas/flightcam.v1.CameraOrientation.json"),
+            FIELD_TO_PLOT,
+        ),
+        Encoding::Ros2 => ros2::definition(
+            "geometry_msgs/msg/QuaternionStamped",
+            include_bytes!("../../schemas/geometry_msgs.QuaternionStamped.msg"),
+            Some("quaternion.z"),
+        ),
     }
 }
 

@@ -2,10 +2,25 @@
 
 use prost::Message;
 
-use super::numbers::split_seconds;
+use super::{Encoding, MessageDefinition, numbers::split_seconds};
 
 /// A definition is a serialised `FileDescriptorSet` of the message's file and all that it imports.
-pub const SCHEMA_ENCODING: &str = "protobuf";
+const SCHEMA_ENCODING: &str = "protobuf";
+
+/// The definition of a message type.
+pub fn definition(
+    name: &'static str,
+    data: &'static [u8],
+    field_to_plot: Option<&'static str>,
+) -> MessageDefinition {
+    MessageDefinition {
+        name,
+        message_encoding: Encoding::Protobuf.message_encoding(),
+        encoding: SCHEMA_ENCODING,
+        data,
+        field_to_plot,
+    }
+}
 
 pub fn write(message: &impl Message, out: &mut Vec<u8>) {
     message.encode(out).expect("a vector grows as needed");

@@ -15,20 +15,16 @@ const FIELD_TO_PLOT: Option<&str> = Some("yaw");
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: protobuf::SCHEMA_ENCODING,
-            data: include_bytes!(concat!(env!("OUT_DIR"), "/relative_rpy.bin")),
-            field_to_plot: FIELD_TO_PLOT,
-        },
-        Encoding::Json => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: json::SCHEMA_ENCODING,
-            data: include_bytes!("../../schemas/flightcam.v1.RelativeRpy.json"),
-            field_to_plot: FIELD_TO_PLOT,
-        },
+        Encoding::Protobuf => protobuf::definition(
+            NAME,
+            include_bytes!(concat!(env!("OUT_DIR"), "/relative_rpy.bin")),
+            FIELD_TO_PLOT,
+        ),
+        Encoding::Json => json::definition(
+            NAME,
+            include_bytes!("../../schemas/flightcam.v1.RelativeRpy.json"),
+            FIELD_TO_PLOT,
+        ),
         Encoding::Ros2 => vector3_stamped::definition("vector.z"),
     }
 }

@@ -1,16 +1,14 @@
 //! ROS 2's `geometry_msgs/msg/Vector3Stamped`: three numbers, a time and a frame.
 
-use super::{Encoding, Header, MessageDefinition, cdr::Cdr, ros2};
+use super::{Header, MessageDefinition, cdr::Cdr, ros2};
 
 /// The definitions are those of ROS 2's `common_interfaces` and `rcl_interfaces`, joined as rosbag2 does.
 pub fn definition(field_to_plot: &'static str) -> MessageDefinition {
-    MessageDefinition {
-        name: "geometry_msgs/msg/Vector3Stamped",
-        message_encoding: Encoding::Ros2.message_encoding(),
-        encoding: ros2::SCHEMA_ENCODING,
-        data: include_bytes!("../../schemas/geometry_msgs.Vector3Stamped.msg"),
-        field_to_plot: Some(field_to_plot),
-    }
+    ros2::definition(
+        "geometry_msgs/msg/Vector3Stamped",
+        include_bytes!("../../schemas/geometry_msgs.Vector3Stamped.msg"),
+        Some(field_to_plot),
+    )
 }
 
 #[inline]

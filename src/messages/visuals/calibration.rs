@@ -4,7 +4,7 @@ use foxglove::messages::CameraCalibration;
 
 use super::{
     super::{Encoding, Format, MessageDefinition, cdr::Cdr, protobuf, ros2},
-    to_foxglove, to_ros2,
+    to_foxglove,
 };
 use crate::derived::visual::{Calibration, Frame};
 
@@ -13,7 +13,7 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<CameraCalibration>("foxglove.CameraCalibration", None)
         }
-        Encoding::Ros2 => to_ros2::definition(
+        Encoding::Ros2 => ros2::definition(
             "sensor_msgs/msg/CameraInfo",
             include_bytes!("../../../schemas/sensor_msgs.CameraInfo.msg"),
             None,

@@ -2,12 +2,9 @@
 
 use serde::Serialize;
 
-use super::{
-    super::{
-        Encoding, Format, MessageDefinition, cdr::Cdr, json, numbers::without_negative_zero,
-        protobuf, ros2, v1,
-    },
-    to_ros2,
+use super::super::{
+    Encoding, Format, MessageDefinition, cdr::Cdr, json, numbers::without_negative_zero, protobuf,
+    ros2, v1,
 };
 use crate::derived::visual::{Display, Frame};
 
@@ -18,21 +15,17 @@ const FIELD_TO_PLOT: Option<&str> = Some("heading_unwrapped");
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: protobuf::SCHEMA_ENCODING,
-            data: include_bytes!(concat!(env!("OUT_DIR"), "/camera_display.bin")),
-            field_to_plot: FIELD_TO_PLOT,
-        },
-        Encoding::Json => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: json::SCHEMA_ENCODING,
-            data: include_bytes!("../../../schemas/flightcam.v1.CameraDisplay.json"),
-            field_to_plot: FIELD_TO_PLOT,
-        },
-        Encoding::Ros2 => to_ros2::definition(
+        Encoding::Protobuf => protobuf::definition(
+            NAME,
+            include_bytes!(concat!(env!("OUT_DIR"), "/camera_display.bin")),
+            FIELD_TO_PLOT,
+        ),
+        Encoding::Json => json::definition(
+            NAME,
+            include_bytes!("../../../schemas/flightcam.v1.CameraDisplay.json"),
+            FIELD_TO_PLOT,
+        ),
+        Encoding::Ros2 => ros2::definition(
             "flightcam_msgs/msg/CameraDisplay",
             include_bytes!("../../../schemas/flightcam_msgs.CameraDisplay.msg"),
             FIELD_TO_PLOT,

@@ -4,7 +4,7 @@ use foxglove::messages;
 
 use super::{
     super::{Encoding, Format, MessageDefinition, cdr::Cdr, protobuf, ros2},
-    log, to_foxglove, to_ros2,
+    log, to_foxglove,
 };
 use crate::derived::visual::Event;
 
@@ -13,7 +13,7 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<messages::Event>("foxglove.Event", None)
         }
-        Encoding::Ros2 => to_ros2::definition(
+        Encoding::Ros2 => ros2::definition(
             "rcl_interfaces/msg/Log",
             include_bytes!("../../../schemas/rcl_interfaces.Log.msg"),
             None,

@@ -9,7 +9,7 @@ use super::{
         numbers::{without_negative_zero, without_negative_zeros},
         protobuf, ros2,
     },
-    to_foxglove, to_ros2,
+    to_foxglove,
 };
 use crate::derived::visual::{Frame, Location};
 
@@ -20,7 +20,7 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<LocationFix>("foxglove.LocationFix", FIELD_TO_PLOT)
         }
-        Encoding::Ros2 => to_ros2::definition(
+        Encoding::Ros2 => ros2::definition(
             "sensor_msgs/msg/NavSatFix",
             include_bytes!("../../../schemas/sensor_msgs.NavSatFix.msg"),
             FIELD_TO_PLOT,

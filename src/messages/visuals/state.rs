@@ -2,31 +2,24 @@
 
 use serde::Serialize;
 
-use super::{
-    super::{Encoding, Format, MessageDefinition, cdr::Cdr, json, protobuf, ros2, v1},
-    to_ros2,
-};
+use super::super::{Encoding, Format, MessageDefinition, cdr::Cdr, json, protobuf, ros2, v1};
 use crate::derived::visual::{Frame, State};
 
 const NAME: &str = "flightcam.v1.CameraState";
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: protobuf::SCHEMA_ENCODING,
-            data: include_bytes!(concat!(env!("OUT_DIR"), "/camera_state.bin")),
-            field_to_plot: None,
-        },
-        Encoding::Json => MessageDefinition {
-            name: NAME,
-            message_encoding: encoding.message_encoding(),
-            encoding: json::SCHEMA_ENCODING,
-            data: include_bytes!("../../../schemas/flightcam.v1.CameraState.json"),
-            field_to_plot: None,
-        },
-        Encoding::Ros2 => to_ros2::definition(
+        Encoding::Protobuf => protobuf::definition(
+            NAME,
+            include_bytes!(concat!(env!("OUT_DIR"), "/camera_state.bin")),
+            None,
+        ),
+        Encoding::Json => json::definition(
+            NAME,
+            include_bytes!("../../../schemas/flightcam.v1.CameraState.json"),
+            None,
+        ),
+        Encoding::Ros2 => ros2::definition(
             "flightcam_msgs/msg/CameraState",
             include_bytes!("../../../schemas/flightcam_msgs.CameraState.msg"),
             None,

@@ -9,7 +9,7 @@ use foxglove::{
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::super::{
-    Encoding, MessageDefinition,
+    MessageDefinition,
     numbers::{split_seconds, without_negative_zeros},
     protobuf,
 };
@@ -21,17 +21,12 @@ pub fn definition<M: Encode>(
     field_to_plot: Option<&'static str>,
 ) -> MessageDefinition {
     let schema = M::get_schema().expect("Foxglove's types have schemas");
-    MessageDefinition {
-        name,
-        message_encoding: Encoding::Protobuf.message_encoding(),
-        encoding: protobuf::SCHEMA_ENCODING,
-        data: match schema.data {
-            Cow::Borrowed(data) => data,
-            // None of them is: they are constants of the crate.
-            Cow::Owned(data) => data.leak(),
-        },
-        field_to_plot,
-    }
+    let data = match schema.data {
+        Cow::Borrowed(data) => data,
+        // None of them is: they are constants of the crate.
+        Cow::Owned(data) => data.leak(),
+    };
+    protobuf::definition(name, data, field_to_plot)
 }
 
 /// A time. Foxglove's crate has none after February 2106; later ones become its last.

@@ -5,24 +5,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::super::{
-    Encoding, MessageDefinition, cdr::Cdr, numbers::without_negative_zeros, ros2::SCHEMA_ENCODING,
-};
+use super::super::{cdr::Cdr, numbers::without_negative_zeros};
 use crate::derived::visual::Pose;
-
-pub fn definition(
-    name: &'static str,
-    data: &'static [u8],
-    field_to_plot: Option<&'static str>,
-) -> MessageDefinition {
-    MessageDefinition {
-        name,
-        message_encoding: Encoding::Ros2.message_encoding(),
-        encoding: SCHEMA_ENCODING,
-        data,
-        field_to_plot,
-    }
-}
 
 /// Writes a `geometry_msgs/Vector3` or a `geometry_msgs/Point`.
 #[inline]
