@@ -266,6 +266,7 @@ impl Format {
             (true, Frame::Map) => "flightcam/map",
             (true, Frame::Ned) => "flightcam/ned",
             (true, Frame::Drone) => "flightcam/drone",
+            (true, Frame::DroneEnu) => "flightcam/drone_enu",
             (true, Frame::Camera) => "flightcam/camera",
             (true, Frame::CameraOptical) => "flightcam/camera_optical",
         }

@@ -168,6 +168,8 @@ pub enum Frame {
     Ned,
     /// The drone's front, right, down.
     Drone,
+    /// East, north, up, at the drone: from here a viewer follows the drone without turning with it.
+    DroneEnu,
     /// Where the camera looks, right, down.
     Camera,
     /// Right, down, where the camera looks: what image panels and calibrations expect.
@@ -176,10 +178,11 @@ pub enum Frame {
 
 impl Frame {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Map,
         Self::Ned,
         Self::Drone,
+        Self::DroneEnu,
         Self::Camera,
         Self::CameraOptical,
     ];
@@ -190,6 +193,7 @@ impl Frame {
             Self::Map => "map",
             Self::Ned => "ned",
             Self::Drone => "drone",
+            Self::DroneEnu => "drone_enu",
             Self::Camera => "camera",
             Self::CameraOptical => "camera_optical",
         }

@@ -14,10 +14,12 @@ pub fn direction(direction: Direction) -> &'static str {
     }
 }
 
-/// Where a 3D view is seen from.
+/// Where a 3D view is seen from, in the axes of the followed frame: east, north, up.
 pub fn camera(view: &SceneView) -> Value {
     json!({
         "distance": view.distance,
+        // The drone is in the upper half, so that the ground that it sees is in sight, too.
+        "targetOffset": [0.0, 0.0, -view.distance / 5.0],
         "phi": 62,
         "thetaOffset": 40,
         "far": view.reach,

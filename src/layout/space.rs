@@ -59,7 +59,7 @@ pub fn scene(survey: &Survey) -> Result<Option<Panel>, ReadError> {
         .channels()
         .filter(|(_, _, drawn)| is_of_transforms(*drawn));
     let view = SceneView {
-        followed: frame(Frame::Drone),
+        followed: frame(Frame::DroneEnu),
         world: frame(Frame::Map),
         hidden_frames: Frame::ALL.map(frame).into(),
         shown: drawn([

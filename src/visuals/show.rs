@@ -133,16 +133,21 @@ impl<'a> Show<'a> {
             let said = begun.or(state.filter(|_| is_last));
             visuals.extend(said.map(|span| Visual::State(span.state)));
             let view = View::of(self.flight, number, self.stage);
+            let is_scene = number.is_multiple_of(self.cadence.scene);
             if let Some(view) = &view {
                 let unwrapped = heading.go_to(view.angles().yaw.to_degrees());
-                visuals.extend(view.transforms(self.stage).map(Visual::Transforms));
+                if let Some(mut transforms) = view.transforms(self.stage) {
+                    // It moves smoothly, and viewers interpolate.
+                    transforms.extend(view.viewpoint(self.stage).filter(|_| is_scene));
+                    visuals.push(Visual::Transforms(transforms));
+                }
                 visuals.extend(view.odometry().map(Visual::Odometry));
                 visuals.extend(view.pose().map(Visual::Pose));
                 visuals.push(Visual::Display(view.display(unwrapped)));
                 let location = view.location().map(Visual::Location);
                 visuals.extend(location.filter(|_| number.is_multiple_of(self.cadence.location)));
             }
-            if number.is_multiple_of(self.cadence.scene) {
+            if is_scene {
                 visuals.push(Visual::Scene(scene(view.as_ref(), self.stage)));
             }
             for visual in visuals {

@@ -94,14 +94,19 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Where the frames that move are in their parents. If the log has no positions at all, the drone stays at the origin;
-    /// if it has none now, it is not known where the drone is.
+    /// Where the drone is, north, east, down. If the log has no positions at all, it stays at the origin; if it has none
+    /// now, that is not known.
+    fn position(&self, stage: &Stage) -> Option<Vector3<f64>> {
+        match self.place {
+            Some(place) => Some(place.ned),
+            None if stage.has_positions => None,
+            None => Some(Vector3::zeros()),
+        }
+    }
+
+    /// Where drone and camera are in their parents, if it is known where the drone is.
     pub fn transforms(&self, stage: &Stage) -> Option<Vec<Transform>> {
-        let position = match self.place {
-            Some(place) => place.ned,
-            None if stage.has_positions => return None,
-            None => Vector3::zeros(),
-        };
+        let position = self.position(stage)?;
         let TickAttitudes {
             q_ned_drone,
             q_ned_camera,
@@ -118,6 +123,15 @@ impl<'a> View<'a> {
                 pose: rounded_pose(Vector3::zeros(), q_ned_drone.inverse() * q_ned_camera),
             },
         ])
+    }
+
+    /// Where the frame is from which viewers follow the drone.
+    pub fn viewpoint(&self, stage: &Stage) -> Option<Transform> {
+        Some(Transform {
+            parent: Frame::Map,
+            child: Frame::DroneEnu,
+            pose: rounded_pose(map_of(&self.position(stage)?), UnitQuaternion::identity()),
+        })
     }
 
     /// The camera's pose in the map, if it is known where it is.

@@ -26,7 +26,7 @@ fn a_flight_with_all_that_can_be_shown() {
     let log = enriched(&survey_flight(), &with_view());
     let panels = panels_with(&log, &and(&USUAL, &["Map"]));
     let scene = &panels[SCENE].settings;
-    assert_eq!(scene["followTf"], "drone");
+    assert_eq!(scene["followTf"], "drone_enu");
     assert_eq!(scene["followMode"], "follow-position");
     assert_eq!(scene["scene"]["transforms"]["enablePreloading"], true);
     assert_eq!(scene["layers"]["ground"]["frameId"], "map");

@@ -145,7 +145,7 @@ fn frames_have_the_names_that_they_have_in_a_log_with_transforms_of_its_own() {
     let log = topics::log(&[states(), transforms.of_type("tf2_msgs/msg/TFMessage")]);
     let panels = panels_with(&enriched(&log, &with_view()), &without_height());
     let scene = &panels[SCENE].settings;
-    assert_eq!(scene["followTf"], "flightcam/drone");
+    assert_eq!(scene["followTf"], "flightcam/drone_enu");
     assert_eq!(scene["layers"]["ground"]["frameId"], "flightcam/map");
 }
 

@@ -103,6 +103,10 @@ proptest! {
             prop_assert!(close(&(camera.rotation * v_camera), &in_map(ned)));
             let place = Vector3::from(moments[number].2);
             prop_assert!(close(&camera.translation.vector, &in_map(place)));
+            // With each scene, which here is each tick.
+            let drone_enu = map_from(Frame::DroneEnu);
+            prop_assert!(close(&drone_enu.translation.vector, &in_map(place)));
+            prop_assert_eq!(drone_enu.rotation, UnitQuaternion::identity());
             compared += 1;
         }
         prop_assert!(compared >= moments.len() - 1);

@@ -332,10 +332,11 @@ fn frames_have_a_prefix_in_a_log_that_has_transforms_of_its_own() {
 
 #[test]
 fn every_frame_has_a_name() {
-    use flightcam::derived::visual::Frame::{Camera, CameraOptical, Drone, Map, Ned};
+    use flightcam::derived::visual::Frame::{Camera, CameraOptical, Drone, DroneEnu, Map, Ned};
     let transforms = [
         (Map, Ned),
         (Map, Drone),
+        (Map, DroneEnu),
         (Drone, Camera),
         (Camera, CameraOptical),
     ];
@@ -354,7 +355,7 @@ fn every_frame_has_a_name() {
         let children: Vec<&str> = (message["transforms"].as_array().expect("a list").iter())
             .map(|transform| transform["child_frame_id"].as_str().expect("a name"))
             .collect();
-        let expected = ["ned", "drone", "camera", "camera_optical"];
+        let expected = ["ned", "drone", "drone_enu", "camera", "camera_optical"];
         assert_eq!(children, expected.map(|name| format!("{prefix}{name}")));
     }
 }
