@@ -9,6 +9,7 @@ mod input_output;
 mod inspect;
 mod layout;
 mod manual;
+mod own_profiles;
 mod print;
 mod profiles;
 mod progress;

@@ -118,7 +118,7 @@ fn write(
             let format = format.clone();
             Findings::new(original, options, camera, encoding, format, derivation)
         };
-        let staging = Staging::new(telemetry, options)?;
+        let staging = Staging::new(telemetry, options, &source.profile)?;
         let mut staged = match &staging {
             // What is shown goes among the log's chunks, so it has to be known first.
             Some(staging) if options.layout == Layout::Interleaved => {

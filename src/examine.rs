@@ -9,6 +9,7 @@ use crate::{
     check::{Claims, Findings, Recorder},
     enrich::{claims::claims, stream},
     error::Error,
+    geometry::DepressionAngle,
     inspect::Problem,
     log::Log,
     options::Options,
@@ -108,7 +109,7 @@ fn examine(log: &Log, options: &Options, run: &Run) -> Result<CheckReport, Stopp
     source.check_sources(log, &options.telemetry)?;
     let problem = source.check_angles(log, &options.telemetry).err();
     let claims = Claims {
-        depression: options.depression.map(|depression| depression.radians()),
+        depression: (options.mounting(&source.profile).0).map(DepressionAngle::radians),
         ..claims(log, &source)
     };
     let findings = longest.recorder.judge(&claims);
@@ -123,7 +124,7 @@ fn examine(log: &Log, options: &Options, run: &Run) -> Result<CheckReport, Stopp
     ];
     Ok(CheckReport {
         input: log.file.path().into(),
-        profile: ProfileReport::new(&source, &options.telemetry),
+        profile: ProfileReport::new(&source, options),
         samples: kinds()
             .map(|kind| (kind, SampleReport::new(&source, &used, kind)))
             .collect(),

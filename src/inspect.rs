@@ -357,7 +357,7 @@ impl Telemetry {
             (kind, role)
         });
         let mut telemetry = Self {
-            profile: ProfileReport::new(source, &options.telemetry),
+            profile: ProfileReport::new(source, options),
             namespace: source.namespace().into(),
             runners_up: source.runners_up.clone(),
             camera: camera.map(CameraReport::from),

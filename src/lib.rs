@@ -44,11 +44,11 @@
 //! | `camera` | how the camera is mounted on the drone | geometry, sample, derived |
 //! | `transform` | samples → derived values, a state machine without I/O | the four above |
 //! | `check` | samples → what a flight's own numbers say about how its log was read, without I/O | geometry, sample |
-//! | `visuals` | samples and what the transform knows of them → what viewers are shown, without I/O | geometry, sample, derived, transform |
+//! | `visuals` | samples and what the transform knows of them → what viewers are shown, without I/O | geometry, sample, derived, camera, transform |
 //! | `fs` | locks, reading and writing by position, durability: what `std::fs` lacks | nothing |
 //! | `log` | the MCAP container: what a log contains and where, its messages | fs, text |
 //! | `decode` | how messages are encoded: a schema and a path → a value, in protobuf, JSON, ROS 2 and ROS 1 | log, similar |
-//! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry, similar; messages, to leave out what flightcam wrote |
+//! | `source` | what messages mean: profiles, the one that fits, its fields bound to the log's channels | decode, log, sample, geometry, camera, similar; messages, to leave out what flightcam wrote |
 //! | `clock` | where the time of a log's messages goes back for good: its epochs | log, source, sample |
 //! | `reader` | log + source → samples in time order, epoch by epoch | log, source, sample, clock |
 //! | `messages` | how derived values and what viewers are shown are written: a file for each message type, in protobuf, JSON and ROS 2 | geometry, derived |
@@ -127,10 +127,10 @@ pub mod writer;
 /// Profiles: how an autopilot or a logger names its telemetry, and in which conventions it writes it.
 pub mod profile {
     pub use crate::source::profile::{
-        AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Components, Condition,
-        Coordinates, Euler, GimbalFields, HeightFields, Location, OptionalField, Orientation,
-        Pitch, Profile, Quaternion, RoleFields, SampleTime, Test, TimeField, VelocityFields,
-        Written,
+        AccelerationFields, Alternative, AngularRateFields, AttitudeFields, CameraSetup,
+        Components, Condition, Coordinates, Euler, GimbalFields, HeightFields, Location,
+        OptionalField, Orientation, Pitch, Profile, Quaternion, RoleFields, SampleTime, Test,
+        TimeField, VelocityFields, Written,
         convention::{
             AccelerationUnit, AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit,
             NotAConvention, NotAxes, PositiveDirection, QuaternionOrder, RateUnit, SpeedUnit,
@@ -146,7 +146,7 @@ pub mod profile {
     };
 }
 
-pub use camera::{Mount, MountOutOfRange};
+pub use camera::{FieldOfView, FieldOfViewOutOfRange, Mount, MountOutOfRange};
 pub use clock::ClockStep;
 pub use decode::trial::UnmetFilter;
 pub use derived::{Derived, Quantity, Value};
@@ -182,8 +182,7 @@ pub use transform::{
     Breaks, MaxGap, MaxGapOutOfRange, MinInterval, MinIntervalOutOfRange, Motion, Sighting,
 };
 pub use visuals::{
-    FieldOfView, FieldOfViewOutOfRange, Ground, Reach, ReachOutOfRange, VisualOptions, VisualRate,
-    VisualRateOutOfRange,
+    Ground, Reach, ReachOutOfRange, VisualOptions, VisualRate, VisualRateOutOfRange,
 };
 pub use watch::{Progress, Watch};
 pub use writer::{Layout, provenance::EarlierRun};

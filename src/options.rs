@@ -8,7 +8,7 @@ use crate::{
     geometry::DepressionAngle,
     messages::{EncodingChoice, Topic},
     sample::Kind,
-    source::{Source, request::Request},
+    source::{Source, profile::Profile, request::Request},
     transform::{MaxGap, MinInterval},
     visuals::VisualOptions,
     watch::{Progress, Watch},
@@ -172,12 +172,33 @@ impl Options {
         }
     }
 
+    /// Whether the profile says where the camera looks, and the caller does not.
+    pub(crate) fn leaves_camera_to(&self, profile: &Profile) -> bool {
+        let is_given = self.depression.is_some() || self.mount.is_some();
+        !is_given && profile.camera.says_where_it_looks()
+    }
+
+    /// Whether the profile says what the camera sees, and the caller does not.
+    pub(crate) fn leaves_field_of_view_to(&self, profile: &Profile) -> bool {
+        let is_given = |visuals: &VisualOptions| visuals.says_what_the_camera_sees();
+        !self.visuals.as_ref().is_some_and(is_given) && profile.camera.field_of_view.is_some()
+    }
+
+    /// How the camera is mounted as the caller says or, if they do not, the profile.
+    pub(crate) fn mounting(&self, profile: &Profile) -> (Option<DepressionAngle>, Option<Mount>) {
+        match self.leaves_camera_to(profile) {
+            true => (profile.camera.depression, profile.camera.mount),
+            false => (self.depression, self.mount),
+        }
+    }
+
     /// How the camera is mounted, given what the log says.
     ///
     /// # Errors
     /// Neither the options nor the log say, or the options contradict each other.
     pub(crate) fn camera(&self, source: &Source) -> Result<Camera, CameraError> {
-        match (self.depression, self.mount) {
+        let (depression, mount) = self.mounting(&source.profile);
+        match (depression, mount) {
             (Some(depression), None) => Ok(Camera::Stabilised {
                 depression,
                 yaw_offset: 0.0,

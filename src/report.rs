@@ -19,11 +19,10 @@ use crate::{
     camera::Camera,
     log::Log,
     messages::{Encoding, EncodingChoice},
+    options::Options,
     sample::{Kind, Tallies, Tally},
     source::{
-        Origin, ReadAs, RefusedFrames, Source,
-        profile::ProfileChoice,
-        request::{Request, RoleArgument},
+        Origin, ReadAs, RefusedFrames, Source, profile::ProfileChoice, request::RoleArgument,
     },
     text::Foreign,
     transform::{Breaks, Motion, Outcome},
@@ -149,6 +148,9 @@ pub struct ProfileReport {
     /// Where it finds what it was chosen by instead, if the user gave the attitude.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside: Option<Origin>,
+    /// Whether it says where the camera looks, because the user does not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub gives_camera: bool,
 }
 
 /// Who chose something.
@@ -162,7 +164,8 @@ pub enum Chosen {
 }
 
 impl ProfileReport {
-    pub(crate) fn new(source: &Source, request: &Request) -> Self {
+    pub(crate) fn new(source: &Source, options: &Options) -> Self {
+        let request = &options.telemetry;
         let by = source.chosen_by();
         let beside = (by != source.attitude()).then(|| by.clone());
         let is_given = matches!(
@@ -178,6 +181,7 @@ impl ProfileReport {
             },
             attitude: source.attitude().clone(),
             beside,
+            gives_camera: options.leaves_camera_to(&source.profile),
         }
     }
 }

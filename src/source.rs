@@ -12,6 +12,7 @@ mod channel;
 mod frames;
 pub(crate) mod own;
 mod pattern;
+mod runner_up;
 mod select;
 mod selection;
 
@@ -21,7 +22,7 @@ use std::{
 };
 
 use mcap::records::Channel;
-use serde::{Serialize, Serializer, ser::SerializeStruct};
+use serde::Serialize;
 
 use crate::{
     decode::{
@@ -39,6 +40,7 @@ use error::{Misfit, TelemetryError};
 pub use frames::taken::{Because, NamedFrame, ReadAs, Reading};
 use profile::Profile;
 use request::{HowAsked, Request};
+pub use runner_up::RunnerUp;
 use select::{Fit, Specificity};
 pub use select::{PassedOver, SeenPlace};
 use selection::paths_of_source;
@@ -75,15 +77,6 @@ pub struct Origin {
     pub select: Vec<Filter>,
     /// The fields of its messages.
     pub fields: Vec<FieldPath>,
-}
-
-/// A profile that was tried and not chosen.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RunnerUp {
-    /// The profile's own name.
-    pub profile: Foreign,
-    /// Where it finds the attitude, if it fits, though not as well; or why it does not fit.
-    pub attitude: Result<Origin, Misfit>,
 }
 
 impl Source {
@@ -352,18 +345,5 @@ impl fmt::Display for Origin {
             write!(f, "{{{filter}}}")?;
         }
         write!(f, " has {fields}")
-    }
-}
-
-impl Serialize for RunnerUp {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("RunnerUp", 3)?;
-        fields.serialize_field("profile", &self.profile)?;
-        fields.serialize_field("fits", &self.attitude.is_ok())?;
-        match &self.attitude {
-            Ok(attitude) => fields.serialize_field("attitude", attitude)?,
-            Err(misfit) => fields.serialize_field("misfit", misfit)?,
-        }
-        fields.end()
     }
 }

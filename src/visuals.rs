@@ -19,8 +19,7 @@ mod view;
 
 pub use flight::{Flight, FlightRecorder, Tick, TickAttitudes};
 pub use options::{
-    FieldOfView, FieldOfViewOutOfRange, Ground, Reach, ReachOutOfRange, VisualOptions, VisualRate,
-    VisualRateOutOfRange,
+    Ground, Reach, ReachOutOfRange, VisualOptions, VisualRate, VisualRateOutOfRange,
 };
 pub use show::{Cadence, Show, StagedFlight};
 pub use stage::Stage;

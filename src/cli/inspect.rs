@@ -10,7 +10,6 @@ use flightcam::{
         inspect, topics,
     },
     sample::{Kind, VelocityFrom},
-    source::RunnerUp,
     text,
 };
 use indicatif::{HumanBytes, HumanCount};
@@ -125,10 +124,8 @@ fn describe_log(inspection: &Inspection) -> String {
 
 fn describe_telemetry(page: &mut Page, telemetry: &Telemetry) {
     page.line("Profile", words::profile(&telemetry.profile));
-    for RunnerUp { profile, attitude } in &telemetry.runners_up {
-        if let Ok(attitude) = attitude {
-            page.line("", format!("{profile} fits less well: {attitude}"));
-        }
+    for runner_up in telemetry.runners_up.iter().filter(|one| one.is_near()) {
+        page.line("", runner_up);
     }
     if !telemetry.namespace.is_empty() {
         page.line("Vehicle", &telemetry.namespace);
@@ -136,7 +133,7 @@ fn describe_telemetry(page: &mut Page, telemetry: &Telemetry) {
     page.line(
         "Camera",
         match &telemetry.camera {
-            Some(camera) => words::camera(camera),
+            Some(camera) => words::camera(camera, &telemetry.profile),
             None => "not known from the log; give enrich --depression or --mount".to_owned(),
         },
     );

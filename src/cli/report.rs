@@ -19,7 +19,7 @@ pub fn describe(report: &Report) -> Page {
     let mut page = Page::default();
     page.line("Log", text::path(&report.input));
     page.line("Profile", words::profile(&report.profile));
-    page.line("Camera", words::camera(&report.camera));
+    page.line("Camera", words::camera(&report.camera, &report.profile));
     for kind in Kind::LISTED {
         if let Some(samples) = report.samples.get(&kind) {
             describe_samples(&mut page, &words::label(kind), samples);
@@ -70,6 +70,7 @@ fn how_to_look() -> String {
 fn describe_field_of_view(seen: &FieldOfViewReport) -> String {
     let [wide, high] = seen.degrees;
     let why = match (&seen.calibration, seen.others) {
+        (None, _) if seen.by_profile => ", as the profile says".to_owned(),
         (None, _) => ", as asked for".to_owned(),
         (Some(topic), 0) => format!(", as {topic} says, without its distortion"),
         (Some(topic), others) => {

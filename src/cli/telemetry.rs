@@ -5,12 +5,12 @@ use flightcam::{
     Error,
     sample::{Kind, VelocityFrom},
     source::{
-        profile::{Profile, ProfileChoice, SampleTime},
+        profile::{ProfileChoice, SampleTime},
         request::{BadArgument, Request, RoleArgument, namespace},
     },
 };
 
-use super::wrong_arguments;
+use super::{own_profiles, wrong_arguments};
 
 /// Printed below the help of commands that take paths.
 pub const EXAMPLES: &str = "\
@@ -61,7 +61,7 @@ Telemetry that no profile knows:
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Telemetry")]
 pub struct TelemetryArguments {
-    /// How the log names its telemetry: a built-in profile (`flightcam profiles` lists them), or a TOML file of
+    /// How the log names its telemetry: a profile by its name (`flightcam profiles` lists them), or a TOML file of
     /// your own [default: the best fit]
     #[arg(long, value_name = "NAME|FILE")]
     profile: Option<String>,
@@ -139,8 +139,17 @@ impl TelemetryArguments {
             .filter_map(|(kind, argument)| Some((kind, argument.clone()?)));
         Ok(Request {
             profile: match &self.profile {
-                Some(name_or_file) => ProfileChoice::Given(Box::new(Profile::load(name_or_file)?)),
+                Some(name_or_file) => {
+                    ProfileChoice::Given(Box::new(own_profiles::load(name_or_file)?))
+                }
                 None => ProfileChoice::Automatic,
+            },
+            own_profiles: match self.profile {
+                Some(_) => Vec::new(),
+                None => {
+                    let own = own_profiles::all()?.into_iter();
+                    own.map(|own| own.profile).collect()
+                }
             },
             namespace: self.namespace.clone(),
             roles: given.collect(),

@@ -1,7 +1,10 @@
 //! The options of `enrich` that say what viewers are shown.
 
 use clap::Args;
-use flightcam::visuals::{FieldOfView, Ground, Reach, VisualOptions, VisualRate};
+use flightcam::{
+    camera::FieldOfView,
+    visuals::{Ground, Reach, VisualOptions, VisualRate},
+};
 
 use super::number;
 

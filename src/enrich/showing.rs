@@ -11,11 +11,15 @@ use std::{
 };
 
 use crate::{
+    camera::FieldOfView,
     derived::visual::{Calibration, Shown},
     log::{Log, ReadError},
     options::Options,
     run::RunError,
-    source::calibration::{self, LogCalibration},
+    source::{
+        calibration::{self, LogCalibration},
+        profile::Profile,
+    },
     transform::MaxGap,
     visuals::{Flight, FlightRecorder, Show, StagedFlight, VisualOptions},
 };
@@ -33,7 +37,9 @@ pub struct Staging<'a> {
     log: &'a Log,
     options: &'a VisualOptions,
     max_gap: MaxGap,
-    /// The log's own calibration, if that says what the camera sees.
+    /// What the profile says that the camera sees, if the caller does not.
+    of_profile: Option<FieldOfView>,
+    /// The log's own calibration, if neither does.
     pub calibration: Option<LogCalibration>,
 }
 
@@ -42,15 +48,24 @@ impl<'a> Staging<'a> {
     ///
     /// # Errors
     /// The log cannot be read.
-    pub fn new(telemetry: &'a Log, options: &'a Options) -> Result<Option<Self>, ReadError> {
+    pub fn new(
+        telemetry: &'a Log,
+        options: &'a Options,
+        profile: &Profile,
+    ) -> Result<Option<Self>, ReadError> {
         let Some(visuals) = &options.visuals else {
             return Ok(None);
+        };
+        let of_profile = match options.leaves_field_of_view_to(profile) {
+            true => profile.camera.field_of_view,
+            false => None,
         };
         Ok(Some(Self {
             log: telemetry,
             options: visuals,
             max_gap: options.max_gap,
-            calibration: match visuals.says_what_the_camera_sees() {
+            of_profile,
+            calibration: match visuals.says_what_the_camera_sees() || of_profile.is_some() {
                 true => None,
                 false => calibration::find(telemetry)?,
             },
@@ -73,8 +88,14 @@ impl<'a> Staging<'a> {
                 moments: flight.ticks.len(),
             });
         }
+        let of_profile = self.of_profile.map(FieldOfView::calibration);
         let of_log = self.calibration.as_ref().map(Calibration::from);
-        Ok(Arc::new(StagedFlight::new(flight, self.options, of_log)))
+        let calibration = of_profile.or(of_log);
+        Ok(Arc::new(StagedFlight::new(
+            flight,
+            self.options,
+            calibration,
+        )))
     }
 }
 

@@ -256,13 +256,20 @@ impl<'a> Findings<'a> {
             notes: self.notes(&output, &written, grown_by),
             visuals: visuals.map(|(staged, options)| {
                 let heights = self.source.topic_of(Kind::Height);
-                VisualsReport::new(options, staged, heights, self.calibration.as_ref())
+                let by_profile = (self.options).leaves_field_of_view_to(&self.source.profile);
+                VisualsReport::new(
+                    options,
+                    staged,
+                    heights,
+                    by_profile,
+                    self.calibration.as_ref(),
+                )
             }),
             written: written.messages.iter().filter_map(written_topic).collect(),
             not_written,
             input: log.file.path().into(),
             output,
-            profile: ProfileReport::new(&self.source, &self.options.telemetry),
+            profile: ProfileReport::new(&self.source, self.options),
             camera: self.camera.into(),
             max_gap_s: self.options.max_gap.seconds(),
             layout: self.options.layout,
@@ -348,6 +355,7 @@ impl<'a> Findings<'a> {
         Some(Note::GimbalIgnored {
             topic: gimbal.topic.clone(),
             camera: CameraReport::from(self.camera),
+            by_profile: self.options.leaves_camera_to(&self.source.profile),
         })
     }
 

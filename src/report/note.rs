@@ -81,6 +81,9 @@ pub enum Note {
         topic: Foreign,
         /// How the camera is mounted.
         camera: CameraReport,
+        /// Whether the profile says so, and not the caller.
+        #[serde(skip_serializing_if = "std::ops::Not::not")]
+        by_profile: bool,
     },
     /// The time of messages goes back although the file goes on, as where a clock was set or a recorder was restarted.
     /// What comes after such a step is processed by itself.

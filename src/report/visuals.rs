@@ -34,7 +34,10 @@ pub struct VisualsReport {
 pub struct FieldOfViewReport {
     /// The whole angles from left to right and from top to bottom.
     pub degrees: [f64; 2],
-    /// The topic of the log's calibration that says it; absent if the caller does.
+    /// Whether the profile says it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub by_profile: bool,
+    /// The topic of the log's calibration that says it; absent if the caller or the profile does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Foreign>,
     /// How many topics of the log have one that differs from it.
@@ -107,6 +110,7 @@ impl VisualsReport {
         options: &VisualOptions,
         staged: &StagedFlight,
         heights: Foreign,
+        by_profile: bool,
         in_log: Option<&LogCalibration>,
     ) -> Self {
         let StagedFlight { flight, stage, .. } = staged;
@@ -132,6 +136,7 @@ impl VisualsReport {
             }),
             field_of_view: stage.calibration.map(|calibration| FieldOfViewReport {
                 degrees: calibration.field_of_view_deg(),
+                by_profile,
                 calibration: in_log.map(|in_log| in_log.topic.clone()),
                 others: in_log.map_or(0, |in_log| in_log.others),
             }),

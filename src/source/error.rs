@@ -6,7 +6,12 @@ use std::{collections::BTreeSet, path::PathBuf, sync::Arc};
 
 use serde::{Serialize, Serializer};
 
-use super::{bind::BindError, profile::convention::AngleUnit, request::HowAsked};
+use super::{
+    bind::BindError,
+    profile::convention::AngleUnit,
+    request::HowAsked,
+    runner_up::{RunnerUp, nearest_first},
+};
 use crate::{
     decode::{
         error::quote,
@@ -25,13 +30,14 @@ pub use instead::{Candidate, Instead, LogTopic, OtherTopics, PathReading};
 #[allow(missing_docs)]
 pub enum TelemetryError {
     #[error(
-        "{}: no usable telemetry\nlooked for:{}{instead}", text::path(path),
-        tried.iter().map(|(profile, misfit)| format!("\n  {profile}: {misfit}")).collect::<String>()
+        "{}: no usable telemetry\nprofiles that were tried:{}{instead}",
+        text::path(path),
+        nearest_first(tried)
     )]
     NotFound {
         path: PathBuf,
-        /// Each profile and why it does not fit.
-        tried: Vec<(Foreign, Misfit)>,
+        /// Each profile, and how nearly it fits.
+        tried: Vec<RunnerUp>,
         instead: Box<Instead>,
     },
 
@@ -230,6 +236,19 @@ pub enum Misfit {
         /// A topic whose messages are of the type, but are missing a field.
         nearest: Option<TopicMisfit>,
     },
+}
+
+impl Misfit {
+    /// Whether something in the log comes near.
+    pub(super) fn is_near(&self) -> bool {
+        match self {
+            Self::NoMessages { .. } | Self::NotInProfile { .. } | Self::OnlyATopic { .. } => false,
+            Self::NoSuchFields { nearest, .. } | Self::NoSuchType { nearest, .. } => {
+                nearest.is_some()
+            }
+            Self::Messages(_) | Self::Condition { .. } | Self::NotWithAttitude { .. } => true,
+        }
+    }
 }
 
 fn closest(nearest: &Option<TopicMisfit>) -> String {

@@ -5,22 +5,21 @@
 
 pub mod convention;
 
+mod camera;
 mod components;
 mod error;
 mod fields;
 mod location;
+mod own;
 mod toml;
 
-use std::{
-    fs::File,
-    io::{self, Read as _},
-    path::Path,
-};
+use std::path::Path;
 
 use serde::Serialize;
 
 use super::error::PathReading;
 use crate::{decode::path::FieldPath, sample::Kind};
+pub use camera::CameraSetup;
 pub use components::{Components, WrongCount};
 pub use error::{BadRole, NotAProfile, Problem, ProfileError};
 pub use fields::{
@@ -28,6 +27,7 @@ pub use fields::{
     HeightFields, OptionalField, Orientation, Pitch, Quaternion, RoleFields, VelocityFields,
 };
 pub use location::{Condition, Location, SampleTime, Test, TimeField, Written};
+pub use own::OwnProfile;
 
 /// Where a log of one kind has its telemetry, and in which conventions. [`Profile::parse`] reads it from TOML.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,6 +42,9 @@ pub struct Profile {
     pub namespaced: bool,
     /// What the time of a sample is.
     pub time: SampleTime,
+    /// How the camera is built, as far as the profile says. What the caller says takes precedence.
+    #[serde(skip_serializing_if = "is_default")]
+    pub camera: CameraSetup,
     #[serde(flatten, serialize_with = "toml::roles::serialize")]
     roles: Roles,
 }
@@ -121,10 +124,17 @@ impl Alternative {
 impl Profile {
     /// The built-in profiles.
     pub fn built_in() -> Vec<Self> {
+        let texts = BUILT_IN.iter();
+        texts.map(|text| Self::parse_built_in(text)).collect()
+    }
+
+    fn parse_built_in(text: &str) -> Self {
+        Self::parse(text).expect("the built-in profiles are tested")
+    }
+
+    /// The texts of the built-in profiles, with the sources of their conventions.
+    pub fn built_in_texts() -> &'static [&'static str] {
         BUILT_IN
-            .iter()
-            .map(|text| Self::parse(text).expect("the built-in profiles are tested"))
-            .collect()
     }
 
     /// The text of a built-in profile, with the sources of its conventions.
@@ -150,6 +160,7 @@ impl Profile {
             automatic: false,
             namespaced: false,
             time: SampleTime::default(),
+            camera: CameraSetup::default(),
             roles: Roles::default(),
         }
     }
@@ -207,46 +218,31 @@ impl Profile {
         toml::parse(toml)
     }
 
-    /// Loads a built-in profile by name, or one from a file: anything that ends in `.toml` or contains a folder is
-    /// treated as a file.
+    /// Loads a built-in profile by name, or one from [a file](Self::is_in_a_file).
     ///
     /// # Errors
     /// No built-in profile has this name, or the file cannot be read or is not a profile.
     pub fn load(name_or_file: &str) -> Result<Self, ProfileError> {
-        let path = Path::new(name_or_file);
-        let is_file = path
-            .extension()
-            .is_some_and(|extension| extension == "toml")
-            || path.components().count() > 1;
-        let bad = |problem: NotAProfile| ProfileError::Bad {
-            path: path.into(),
-            problem: problem.into(),
-        };
-        let text = match is_file {
-            true => &read(path).map_err(|source| ProfileError::Io {
-                path: path.into(),
-                source,
-            })?,
-            false => Self::built_in_text(name_or_file)?,
-        };
-        match text.len() as u64 {
-            0..=LONGEST => Self::parse(text).map_err(bad),
-            _ => Err(bad(NotAProfile::TooLong)),
+        match Self::is_in_a_file(name_or_file) {
+            true => Ok(OwnProfile::read(Path::new(name_or_file))?.profile),
+            false => Ok(Self::parse_built_in(Self::built_in_text(name_or_file)?)),
         }
     }
-}
 
-/// The longest text that is taken for a profile, in bytes: many times as long as any that people write.
-const LONGEST: u64 = 1024 * 1024;
-
-/// Reads a text, of one that is too long only a little more than is allowed.
-fn read(path: &Path) -> io::Result<String> {
-    let mut text = String::new();
-    let mut file = File::open(path)?.take(LONGEST + 1);
-    file.read_to_string(&mut text)?;
-    Ok(text)
+    /// Whether this is the path of a file, and not a name: it ends in `.toml`, or contains a folder.
+    pub fn is_in_a_file(name_or_file: &str) -> bool {
+        let path = Path::new(name_or_file);
+        let is_toml = path
+            .extension()
+            .is_some_and(|extension| extension == "toml");
+        is_toml || path.components().count() > 1
+    }
 }
 
 fn yes() -> bool {
     true
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }

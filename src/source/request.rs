@@ -24,6 +24,9 @@ pub use error::BadArgument;
 pub struct Request {
     /// The profile to use.
     pub profile: ProfileChoice,
+    /// Profiles of the user's own, which are tried beside the built-in ones. One that fits as well as a built-in one is
+    /// preferred, and one with the name of a built-in one takes its place.
+    pub own_profiles: Vec<Profile>,
     /// The vehicle to use, if there are several: the prefix of its topics, empty for one without.
     pub namespace: Option<String>,
     /// Where roles are, instead of where the profile says.
@@ -41,6 +44,8 @@ pub struct Adapted {
     pub profile: Profile,
     /// Where the profile itself finds the attitude, if the user gives the fields of another.
     pub own_attitude: Option<Vec<Alternative>>,
+    /// Whether the profile is one of the user's own.
+    pub is_own: bool,
 }
 
 impl Adapted {
@@ -93,21 +98,24 @@ impl Request {
     /// How the user asked for a role to be read that is read by this profile.
     pub fn how_asked(&self, role: Kind, profile: &Profile) -> HowAsked {
         let profile = (&profile.name).into();
-        match (self.roles.get(&role), self.own_profile()) {
+        match (self.roles.get(&role), self.is_own(&profile)) {
             (Some(RoleArgument::Fields(_)), _) => HowAsked::Argument,
-            (_, Some(_)) => HowAsked::OwnProfile { profile },
-            (_, None) => HowAsked::BuiltIn { profile },
+            (_, true) => HowAsked::OwnProfile { profile },
+            (_, false) => HowAsked::BuiltIn { profile },
         }
     }
 
-    /// The profile to use, if it is not a built-in one.
-    pub(super) fn own_profile(&self) -> Option<&Profile> {
+    /// Whether the profile of this name that is used is one of the user's own.
+    pub(super) fn is_own(&self, name: &Foreign) -> bool {
         match &self.profile {
-            ProfileChoice::Given(profile) if !Profile::built_in().contains(profile) => {
-                Some(profile)
-            }
-            _ => None,
+            ProfileChoice::Given(profile) => !Profile::built_in().contains(profile),
+            ProfileChoice::Automatic => self.is_replaced(name.as_str()),
         }
+    }
+
+    /// Whether one of the user's own profiles has this name.
+    fn is_replaced(&self, name: &str) -> bool {
+        self.own_profiles.iter().any(|own| own.name == name)
     }
 
     /// The profiles to try: the one that was asked for, or all that are tried automatically.
@@ -115,10 +123,12 @@ impl Request {
         let attitude = self.roles.get(&Kind::Attitude);
         let mut profiles = match &self.profile {
             ProfileChoice::Given(profile) => vec![(**profile).clone()],
-            ProfileChoice::Automatic => Profile::built_in()
-                .into_iter()
-                .filter(|profile| profile.automatic)
-                .collect(),
+            ProfileChoice::Automatic => {
+                let mut built_in = Profile::built_in();
+                built_in.retain(|profile| !self.is_replaced(&profile.name));
+                let all = self.own_profiles.iter().cloned().chain(built_in);
+                all.filter(|profile| profile.automatic).collect()
+            }
         };
         if let Some(RoleArgument::Topic { topic, .. }) = attitude {
             let knows = |profile: &Profile| {
@@ -149,9 +159,11 @@ impl Request {
             Some(RoleArgument::Fields(_)) => Some(profile.alternatives(Kind::Attitude).to_vec()),
             _ => None,
         };
+        let is_own = self.is_own(&(&profile.name).into());
         self.change(&mut profile);
         Adapted {
             profile,
+            is_own,
             own_attitude,
         }
     }

@@ -46,6 +46,8 @@ struct Rank {
     /// Named topics are the vehicle's own estimate; messages that just have the right fields may be anything's.
     specificity: Specificity,
     has_velocity: bool,
+    /// The user's own profiles are made for their logs.
+    is_own: bool,
 }
 
 /// The most useful kind of sample that a profile adds to a given attitude.
@@ -92,11 +94,23 @@ impl<'p> Candidate<'p> {
         }
     }
 
+    fn into_runner_up(self) -> RunnerUp {
+        let others = self.fit.others.into_iter();
+        RunnerUp {
+            profile: (&self.adapted.profile.name).into(),
+            attitude: Ok(self.fit.attitude.origin),
+            others: others
+                .filter_map(|(kind, found)| Some((kind, found.ok()?.origin.topic)))
+                .collect(),
+        }
+    }
+
     fn rank(&self) -> Rank {
         Rank {
             adds: self.adds,
             specificity: specificity(self.adapted.attitude()),
             has_velocity: self.has_velocity,
+            is_own: self.adapted.is_own,
         }
     }
 
@@ -233,22 +247,19 @@ impl Source {
         };
         let [Candidate { adapted, fit, .. }] = best.as_slice() else {
             return Err(match best.is_empty() {
-                true => none_fits(log_search, &profiles, misfits),
+                true => none_fits(log_search, &profiles, &misfits),
                 false => ambiguity(log_search, &best),
             });
         };
         let Adapted { profile, .. } = adapted;
         let specificity = specificity(adapted.attitude());
         let search = log_search.search(profile, specificity, &fit.namespace);
-        if request.own_profile().is_some() {
+        if adapted.is_own {
             search.check_conditions(fit)?;
         }
         let strays_passed_over = between_profiles::strays_passed_over(&strays, &best[0]);
         let others = rest.into_iter().chain(strays);
-        let runners_up = others.map(|candidate| RunnerUp {
-            profile: (&candidate.adapted.profile.name).into(),
-            attitude: Ok(candidate.fit.attitude.origin),
-        });
+        let runners_up = others.map(|candidate| candidate.into_runner_up());
         Ok(Self {
             channels: search.channels(fit, &Kind::ALL.into())?,
             runners_up: runners_up.chain(misfits).collect(),
@@ -337,6 +348,7 @@ fn try_profiles<'p>(
             adds: (adapted.own_attitude.is_some()).then_some(Adds::Velocity),
             specificity: specificity(adapted.attitude()),
             has_velocity: true,
+            is_own: adapted.is_own,
         };
         // One that may be a stray does not end the search.
         let series = candidates.iter().filter(|one| one.is_series());
@@ -352,6 +364,7 @@ fn try_profiles<'p>(
             Err(Unfit::Misfit(misfit)) => misfits.push(RunnerUp {
                 profile: (&adapted.profile.name).into(),
                 attitude: Err(misfit),
+                others: log_search.topics_named_by(&adapted.profile),
             }),
             Err(Unfit::Hopeless(error)) => return Err(error),
         }
@@ -383,20 +396,20 @@ fn choose(candidates: Vec<Candidate>) -> Option<(Vec<Candidate>, Vec<Candidate>)
     Some((best, rest))
 }
 
-fn none_fits(
-    log_search: &LogSearch,
-    profiles: &[Adapted],
-    misfits: Vec<RunnerUp>,
-) -> TelemetryError {
-    let misfits = misfits.into_iter();
-    let tried: Vec<_> = misfits
-        .filter_map(|misfit| Some((misfit.profile, misfit.attitude.err()?)))
-        .collect();
-    match (profiles, <[_; 1]>::try_from(tried)) {
-        ([only], Ok([(_, misfit)])) => does_not_fit(log_search, &only.profile, misfit),
+fn none_fits(log_search: &LogSearch, profiles: &[Adapted], misfits: &[RunnerUp]) -> TelemetryError {
+    match (profiles, misfits) {
+        (
+            [only],
+            [
+                RunnerUp {
+                    attitude: Err(misfit),
+                    ..
+                },
+            ],
+        ) => does_not_fit(log_search, &only.profile, misfit.clone()),
         (_, tried) => TelemetryError::NotFound {
             path: log_search.log.file.path().into(),
-            tried: tried.map_or_else(|tried| tried, Vec::from),
+            tried: tried.to_vec(),
             instead: log_search.instead_of_any().into(),
         },
     }

@@ -1,6 +1,6 @@
 //! What the caller decides about what viewers are shown.
 
-use crate::derived::visual::Calibration;
+use crate::camera::FieldOfView;
 
 /// What viewers are shown, beside the camera's motion.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -39,7 +39,7 @@ impl VisualOptions {
         Self { reach, ..self }
     }
 
-    /// Whether the log's own calibration does not count.
+    /// Whether what the profile or the log says of the field of view does not count.
     pub(crate) fn says_what_the_camera_sees(&self) -> bool {
         self.field_of_view.is_some()
     }
@@ -57,7 +57,7 @@ impl VisualOptions {
         }
     }
 
-    /// What the camera sees. It takes precedence over a calibration that the log has.
+    /// What the camera sees. It takes precedence over what the profile says, and over a calibration that the log has.
     pub fn field_of_view(self, field_of_view: impl Into<Option<FieldOfView>>) -> Self {
         Self {
             field_of_view: field_of_view.into(),
@@ -138,53 +138,6 @@ impl VisualRate {
     /// Messages per second.
     pub fn hertz(self) -> f64 {
         self.hertz
-    }
-}
-
-/// How wide and how high the camera sees.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FieldOfView {
-    degrees: [f64; 2],
-}
-
-/// Angles of a field of view in degrees, at least one of them out of range.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error(
-    "a field of view of {}° by {}° is out of range: both angles must be from 0.1 to 170", .0[0], .0[1]
-)]
-pub struct FieldOfViewOutOfRange(pub [f64; 2]);
-
-impl FieldOfView {
-    /// Creates a field of view from its whole angle from left to right and from top to bottom, in degrees.
-    ///
-    /// # Errors
-    /// One is less than 0.1, more than 170, or not a number.
-    pub fn from_degrees(horizontal: f64, vertical: f64) -> Result<Self, FieldOfViewOutOfRange> {
-        let degrees = [horizontal, vertical];
-        match degrees.iter().all(|angle| (0.1..=170.0).contains(angle)) {
-            true => Ok(Self { degrees }),
-            false => Err(FieldOfViewOutOfRange(degrees)),
-        }
-    }
-
-    /// The angles from left to right and from top to bottom, in degrees.
-    pub fn degrees(self) -> [f64; 2] {
-        self.degrees
-    }
-
-    /// A pinhole camera that sees as much, with square pixels as nearly as whole rows allow.
-    pub fn calibration(self) -> Calibration {
-        /// The pixels of a picture in a row, which the angles do not say.
-        const WIDTH: u32 = 1920;
-        let [right, down] = self.degrees.map(|angle| (angle / 2.0).to_radians().tan());
-        let half = f64::from(WIDTH) / 2.0;
-        let height = (f64::from(WIDTH) * down / right).round().clamp(1.0, 1e6);
-        Calibration {
-            width: WIDTH,
-            height: height as u32,
-            focal: [half / right, height / 2.0 / down],
-            centre: [half, height / 2.0],
-        }
     }
 }
 

@@ -4,14 +4,17 @@ use super::{
     coverage::Coverage,
     flight::Flight,
     ground::footprint,
-    options::{FieldOfView, VisualOptions},
+    options::VisualOptions,
     scene::{model, path, scene},
     stage::Stage,
     states::{Happening, Span, events, spans},
     terrain,
     view::{View, static_transforms},
 };
-use crate::derived::visual::{Calibration, Footprint, Shown, Visual};
+use crate::{
+    camera::FieldOfView,
+    derived::visual::{Calibration, Footprint, Shown, Visual},
+};
 
 /// How often a place on the map is enough, per second.
 const LOCATIONS: f64 = 5.0;
@@ -48,12 +51,16 @@ pub struct StagedFlight {
 }
 
 impl StagedFlight {
-    /// Of a flight, for these options. The log's own calibration counts where no field of view is given, and its heights
-    /// where no ground is.
-    pub fn new(mut flight: Flight, options: &VisualOptions, of_log: Option<Calibration>) -> Self {
+    /// Of a flight, for these options. The `calibration` that is known otherwise counts where they give no field of view,
+    /// and the log's heights where they give no ground.
+    pub fn new(
+        mut flight: Flight,
+        options: &VisualOptions,
+        calibration: Option<Calibration>,
+    ) -> Self {
         let terrain = terrain::settle(&mut flight.ticks, options.ground);
         let given = options.field_of_view.map(FieldOfView::calibration);
-        let calibration = given.or(of_log);
+        let calibration = given.or(calibration);
         Self {
             stage: Stage::new(&flight, terrain, calibration, options.reach),
             cadence: Cadence::new(options.tick_rate(), options.scene_rate()),

@@ -47,6 +47,7 @@ mod cli {
     mod help;
     mod inspect;
     mod layout;
+    mod own_profiles;
     mod profiles;
     // What viewers have trouble with, in words.
     mod viewers;

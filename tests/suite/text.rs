@@ -8,7 +8,7 @@ use flightcam::{
     error::*,
     sample::{DropReason, Kind, Tally},
     source::{
-        FoundValue, NamedFrame, Origin, Reading, RefusedFrames, UnmetCondition,
+        FoundValue, NamedFrame, Origin, Reading, RefusedFrames, RunnerUp, UnmetCondition,
         profile::{
             Test,
             convention::{Axes, SpeedUnit, WorldAxes},
@@ -255,7 +255,11 @@ fn no_error_says_a_name_unescaped() {
     ];
     let not_found = TelemetryError::NotFound {
         path: path(),
-        tried: vec![(nasty(), *misfit())],
+        tried: vec![RunnerUp {
+            profile: nasty(),
+            attitude: Err(*misfit()),
+            others: [(Kind::Velocity, nasty())].into(),
+        }],
         instead: instead(),
     };
     let reason = MissingReason::TooFewUsable {

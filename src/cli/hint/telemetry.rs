@@ -36,7 +36,9 @@ fn all_topics(error: &TelemetryError) -> Option<String> {
 fn advice(error: &TelemetryError) -> Option<String> {
     Some(match error {
         TelemetryError::NotFound { tried, .. } => {
-            let fields = tried.iter().find_map(|(_, misfit)| give_fields(misfit));
+            let fields = tried
+                .iter()
+                .find_map(|one| give_fields(one.attitude.as_ref().err()?));
             fields.unwrap_or_else(|| {
                 "say where it is with --attitude and --velocity (explained by `flightcam enrich --help`), \
                  or in a profile of your own (--profile FILE.toml, explained in docs/profiles.md)"

@@ -1,8 +1,16 @@
 //! How the camera is mounted, in words.
 
-use flightcam::report::CameraReport;
+use flightcam::report::{CameraReport, ProfileReport};
 
-pub fn camera(camera: &CameraReport) -> String {
+pub fn camera(camera: &CameraReport, profile: &ProfileReport) -> String {
+    let camera = mounting(camera);
+    match profile.gives_camera {
+        true => format!("{camera}, as the profile says"),
+        false => camera,
+    }
+}
+
+fn mounting(camera: &CameraReport) -> String {
     match *camera {
         CameraReport::Stabilised {
             depression_deg,

@@ -73,14 +73,21 @@ fn on_the_samples(note: &Note) -> Option<String> {
             };
             format!("{samples} could not be decoded as the log's schemas say{first}")
         }
-        Note::GimbalIgnored { topic, camera } => {
+        Note::GimbalIgnored {
+            topic,
+            camera,
+            by_profile,
+        } => {
             let (flag, is) = match camera {
                 CameraReport::Fixed { .. } => ("--mount", "bolted to the airframe"),
                 _ => ("--depression", "held at that angle"),
             };
+            let but = match by_profile {
+                true => "the profile says how the camera is mounted".to_owned(),
+                false => format!("{flag} was given"),
+            };
             format!(
-                "the log has the gimbal's angles on {topic}, but {flag} was given and takes precedence: the camera \
-                 is {is}"
+                "the log has the gimbal's angles on {topic}, but {but} and takes precedence: the camera is {is}"
             )
         }
         Note::ClockSteps { steps } => clock_steps(steps),

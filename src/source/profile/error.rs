@@ -30,6 +30,15 @@ pub enum ProfileError {
     #[error("{}: not a profile: {source}", text::path(path))]
     Io { path: PathBuf, source: io::Error },
 
+    #[error("{}: {source}", text::path(path))]
+    Folder { path: PathBuf, source: io::Error },
+
+    #[error(
+        "{} and {} are both called `{name}`; give one of them another name",
+        text::path(&paths[0]), text::path(&paths[1])
+    )]
+    SameName { name: Foreign, paths: [PathBuf; 2] },
+
     #[error("{}: not a profile: {problem}", text::path(path))]
     Bad {
         path: PathBuf,

@@ -11,8 +11,9 @@ use toml::{
 };
 
 use super::{
-    AccelerationFields, Alternative, AngularRateFields, AttitudeFields, Coordinates, GimbalFields,
-    HeightFields, Location, Profile, RoleFields, Roles, SampleTime, VelocityFields, Written,
+    AccelerationFields, Alternative, AngularRateFields, AttitudeFields, CameraSetup, Coordinates,
+    GimbalFields, HeightFields, Location, Profile, RoleFields, Roles, SampleTime, VelocityFields,
+    Written,
     error::{BadRole, NotAProfile, Problem},
     yes,
 };
@@ -51,6 +52,8 @@ struct Header {
     namespaced: bool,
     #[serde(default)]
     time: SampleTime,
+    #[serde(default)]
+    camera: CameraSetup,
 }
 
 /// What is wrong, and where in the text.
@@ -96,6 +99,7 @@ fn read(document: Spanned<DeTable>) -> Result<Profile, Found> {
         automatic: header.automatic,
         namespaced: header.namespaced,
         time: header.time,
+        camera: header.camera,
         roles,
     })
 }

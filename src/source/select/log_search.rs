@@ -261,6 +261,32 @@ impl<'a> LogSearch<'a> {
         namespaces
     }
 
+    /// A topic of the log for each kind of sample but the attitude for which a profile names any.
+    pub fn topics_named_by(&self, profile: &Profile) -> BTreeMap<Kind, Foreign> {
+        let topic_of = |kind: Kind| {
+            let topics = profile.alternatives(kind).iter();
+            let topics = topics.flat_map(|one| &one.location.topics);
+            let namespace = self.namespace.unwrap_or_default();
+            let mut patterns = topics.map(|topic| Pattern::new(namespace, topic));
+            patterns.find_map(|pattern| {
+                let is_anywhere = profile.namespaced && self.namespace.is_none();
+                let is_it = |topic: &&&str| match is_anywhere {
+                    true => pattern.namespace_of(topic).is_some(),
+                    false => pattern.is_match(topic),
+                };
+                self.topics
+                    .keys()
+                    .find(is_it)
+                    .map(|topic| Foreign::from(*topic))
+            })
+        };
+        let kinds = Kind::USUAL.into_iter();
+        let kinds = kinds.filter(|kind| *kind != Kind::Attitude);
+        kinds
+            .filter_map(|kind| Some((kind, topic_of(kind)?)))
+            .collect()
+    }
+
     /// The topics that show a vehicle's namespace: those of the attitude or, if the user has given that, the others.
     fn namespaced_topics(&self, profile: &Profile) -> Vec<Pattern> {
         let of_role = |kind: Kind| -> Vec<Pattern> {

@@ -305,6 +305,36 @@ fn the_profile_and_its_runners_up_are_named() {
 }
 
 #[test]
+fn profiles_that_come_near_are_named_with_what_they_lack() {
+    let topics = [
+        flat("/state"),
+        twist("/drone1/mavros/local_position/velocity_local"),
+    ];
+    let folder = Folder::with(LOG, log(&topics));
+    assert_reads(
+        &prints(&folder, "", 0),
+        "Profile     flat, chosen because /state has … \
+         mavros: velocity on /drone1/mavros/local_position/velocity_local, but no attitude: there is no message on …\
+         Camera",
+    );
+    let runners_up = &reports(&folder, "", 0)["telemetry"]["runners_up"];
+    let mavros = runners_up.as_array().expect("a list").iter();
+    let mut mavros = mavros.filter(|other| other["profile"] == "mavros");
+    assert_eq!(
+        mavros.next().expect("it was tried")["others"],
+        json!({ "velocity": "/drone1/mavros/local_position/velocity_local" })
+    );
+
+    let folder = Folder::with(LOG, log(&topics[1..]));
+    let (_, err) = folder.run(&format!("enrich {LOG}"), 1);
+    assert_reads(
+        &err,
+        "no usable telemetry … profiles that were tried: … \
+         mavros: velocity on … but no attitude: … others, of whose topics, types and fields the log has none: px4-ulog, …",
+    );
+}
+
+#[test]
 fn ambiguous_telemetry_is_a_problem_that_says_how_to_choose() {
     let vehicles = ["/a/mavros/imu/data", "/b/mavros/imu/data"].map(|name| {
         twice(name, json!({ "orientation": quaternion() })).of_type("sensor_msgs/msg/Imu")
@@ -345,7 +375,7 @@ fn a_log_without_telemetry_is_described_all_the_same() {
     let report = finds_a_problem(
         &battery,
         "",
-        "no usable telemetry … px4-ulog: … topics of the log: … /battery",
+        "no usable telemetry … the log has none: px4-ulog, … topics of the log: … /battery",
     );
     assert_eq!(report["other_topics"][0]["topics"], json!(["/battery"]));
     let printed = prints(&Folder::with(LOG, battery), "", 1);

@@ -30,18 +30,32 @@ fn printed(name: &str) -> String {
 }
 
 #[test]
-fn every_profile_is_listed_on_a_line_with_what_it_is_for() {
+fn every_profile_is_listed_on_a_line_with_what_it_is_for_and_below_it_its_sources() {
     let list = printed("");
     let mut listed = BTreeSet::new();
+    let mut with_sources = BTreeSet::new();
+    let mut last = String::new();
     for line in list.lines() {
+        if line.starts_with(' ') {
+            assert!(line.trim().starts_with("https://"), "{line}");
+            with_sources.insert(last.clone());
+            continue;
+        }
         let (name, description) = line.split_once("  ").expect("two columns");
         let description = description.trim();
         assert!(description.len() > 20, "{line}");
         let by_name_only = description.ends_with("(only by --profile)");
         assert_eq!(by_name_only, name == "flat-deg", "{line}");
         listed.insert(name.to_owned());
+        last = name.to_owned();
     }
     assert_eq!(listed, files().into_keys().collect());
+    listed.retain(|name| !name.starts_with("flat"));
+    assert_eq!(with_sources, listed);
+    assert!(
+        list.contains(" https://github.com/PX4/px4_msgs\n"),
+        "{list}"
+    );
 }
 
 #[test]

@@ -10,9 +10,10 @@ use std::{
 
 use flightcam::{
     DropReason, Encoding, EncodingChoice, Kind, Layout, Note, Options, PassedOver, Report,
+    camera::FieldOfView,
     report::{GroundBecause, Lack, MissingReason},
     restore,
-    visuals::{FieldOfView, Ground, VisualOptions, VisualRate},
+    visuals::{Ground, VisualOptions, VisualRate},
 };
 use foxglove::{
     Encode,

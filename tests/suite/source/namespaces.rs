@@ -123,7 +123,7 @@ fn a_namespace_may_be_empty() {
     refuses(
         &one(),
         &[("--namespace", "")],
-        "no usable telemetry … mavros: there is no message on /mavros/",
+        "no usable telemetry … the log has none: … mavros",
     );
 }
 

@@ -3,8 +3,7 @@
 use std::{borrow::Cow, collections::BTreeMap, io::Cursor, sync::Arc};
 
 use flightcam::{
-    Encoding, EncodingChoice, Input, Options, inspect,
-    visuals::{FieldOfView, VisualOptions},
+    Encoding, EncodingChoice, Input, Options, camera::FieldOfView, inspect, visuals::VisualOptions,
 };
 use mcap::{Channel, Message, MessageStream, WriteOptions, records::MessageHeader};
 

@@ -50,6 +50,7 @@ fn a_profile_with_everything_is_the_same_when_written_and_read_again() {
         automatic = false
         namespaced = true
         time.field = { path = "stamp", unit = "us" }
+        camera = { depression = 30.5, mount = [0, 0, 90], hfov = 84, vfov = 54.25 }
 
         [[attitude]]
         topics = ["/a_{n}", "/a"]
@@ -501,4 +502,31 @@ fn errors_say_in_which_line() {
 fn a_key_like_no_other_is_refused_without_a_guess() {
     let problem = parse(&beside_attitude("colour = \"red\"")).expect_err("no key");
     assert!(!problem.to_string().contains("did you mean"), "{problem}");
+}
+
+#[test]
+fn a_camera_that_cannot_be_is_refused() {
+    for (camera, words) in [
+        (
+            "depression = 91",
+            "line 2: a depression angle of 91° is out of range",
+        ),
+        (
+            "depression = nan",
+            "line 2: a depression angle of NaN° is out of range",
+        ),
+        (
+            "mount = [0, 100, 0]",
+            "line 2: a mount of roll 0°, pitch 100°, yaw 0° is out of range",
+        ),
+        ("mount = [0, 0]", "line 2: …"),
+        ("hfov = 80", "line 2: `hfov` and `vfov` belong together"),
+        (
+            "hfov = 0, vfov = 40",
+            "line 2: a field of view of 0° by 40° is out of range",
+        ),
+        ("depresion = 30", "line 2: unknown …`depresion`"),
+    ] {
+        refused(&format!("camera = {{ {camera} }}\n{ATTITUDE}"), words);
+    }
 }

@@ -16,6 +16,9 @@ use tempfile::TempDir;
 pub const LOG: &str = "flight.mcap";
 pub const RESULT: &str = "flight.enriched.mcap";
 
+/// Where the program looks for its configuration.
+pub const CONFIGURATION: &str = "configuration";
+
 /// A folder in which the program is run, and which shows what it left there.
 pub struct Folder(TempDir);
 
@@ -149,6 +152,8 @@ impl Folder {
 
     fn output(&self, mut command: Command) -> Output {
         command.current_dir(&self.0).env_remove("CLICOLOR_FORCE");
+        // Profiles of whoever runs the tests do not count.
+        command.env("XDG_CONFIG_HOME", self.path(CONFIGURATION));
         command.output().unwrap()
     }
 

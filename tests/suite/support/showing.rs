@@ -2,6 +2,7 @@
 
 use flightcam::{
     camera::Camera,
+    camera::FieldOfView,
     derived::{
         Derived,
         visual::{
@@ -14,7 +15,7 @@ use flightcam::{
         VelocitySample,
     },
     transform::{MaxGap, Transform},
-    visuals::{FieldOfView, FlightRecorder, Show, StagedFlight, VisualOptions, VisualRate},
+    visuals::{FlightRecorder, Show, StagedFlight, VisualOptions, VisualRate},
 };
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 

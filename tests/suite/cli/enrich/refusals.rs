@@ -37,25 +37,23 @@ fn a_log_without_telemetry_is_refused_with_what_was_looked_for_and_what_it_has()
         "/imu",
         [json!({ "roll": 0, "pitch": 0, "yaw": 0, "vx": 0 })],
     );
-    let fields = "`roll`, `pitch`, `yaw`, `vn`, `ve`, `vd`";
-    let nearest = format!(
-        "{fields}; /imu comes closest: it has no field `vy`, `vz`; … with the most fields has pitch, roll, vx, yaw"
-    );
+    let none = "the log has none: px4-ulog, … flat";
+    let nearest = "flat: no topic has messages with all of the fields `roll`, `pitch`, `yaw`, `vn`, `ve`, `vd`; /imu \
+                   comes closest: it has no field `vy`, `vz`; … with the most fields has pitch, roll, vx, yaw … the \
+                   log has none: px4-ulog";
     let cases: [(&[Topic], &str, &str); 4] = [
-        (&[battery], fields, "topics of the log: … /battery (json"),
-        (&[attitude], &nearest, "/imu (json, no schema)"),
-        (&[], "no topic", "the log has no messages"),
+        (&[battery], none, "topics of the log: … /battery (json"),
+        (&[attitude], nearest, "/imu (json, no schema)"),
+        (&[], none, "the log has no messages"),
         (
             &[topic("/drone/state", [])],
-            "no topic",
+            none,
             "the log has no messages",
         ),
     ];
     for (topics, looked_for, present) in cases {
-        let message = format!(
-            "{LOG}: no usable telemetry … px4-ulog: there is no message on /vehicle_attitude … \
-             flat: … {looked_for} … {present} … --profile FILE.toml"
-        );
+        let message =
+            format!("{LOG}: no usable telemetry … {looked_for} … {present} … --profile FILE.toml");
         Folder::with(LOG, log(topics)).refuses(&enrich(""), 1, &message);
     }
 }
