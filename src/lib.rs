@@ -129,8 +129,8 @@ pub mod profile {
     pub use crate::source::profile::{
         AccelerationFields, Alternative, AngularRateFields, AttitudeFields, CameraSetup,
         Components, Condition, Coordinates, Euler, GimbalFields, HeightFields, Location,
-        OptionalField, Orientation, Pitch, Profile, Quaternion, RoleFields, SampleTime, Test,
-        TimeField, VelocityFields, Written,
+        OptionalField, Orientation, Pitch, Primary, Profile, Quaternion, RoleFields, SampleTime,
+        Test, TimeField, VelocityFields, Written,
         convention::{
             AccelerationUnit, AngleUnit, Axes, BodyAxes, Convention, EulerOrder, LengthUnit,
             NotAConvention, NotAxes, PositiveDirection, QuaternionOrder, RateUnit, SpeedUnit,

@@ -64,6 +64,13 @@ impl<'a> MessageSchema<'a> {
         }
     }
 
+    /// Has fields that the first messages do not have looked for in more of them, because messages are of several types.
+    pub fn expect_several_types(&self) {
+        if let Self::Json(schema) = self {
+            schema.expect_several_types();
+        }
+    }
+
     /// What kind of field a path leads to.
     pub fn kind_of(&self, path: &FieldPath) -> Result<FieldKind, SchemaError> {
         match self {

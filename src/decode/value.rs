@@ -29,6 +29,11 @@ impl Number {
         }
     }
 
+    /// Whether it is of an integer type or, in text, has neither a decimal point nor an exponent.
+    pub fn is_integer(self) -> bool {
+        self.integer().is_some()
+    }
+
     /// Whether it equals another number: exactly, if both are integers.
     pub fn equals(self, other: Self) -> bool {
         match (self.integer(), other.integer()) {

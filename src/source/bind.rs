@@ -90,7 +90,9 @@ pub fn bind_role(
         match binder.attempt(|binder| bind_reading(binder, profile, said_by, alternative)) {
             Ok(reading) => {
                 if role.readings.is_empty() {
-                    role.ids = bind_ids(binder, fields[0]);
+                    let primary = alternative.location.primary.as_ref();
+                    let among = primary.map(|primary| &primary.among);
+                    role.ids = bind_ids(binder, fields[0], among);
                     role.fields = fields.into_iter().cloned().collect();
                     role.select = alternative.location.select.clone();
                 }

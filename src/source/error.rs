@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 
 use super::{
     bind::BindError,
-    profile::convention::AngleUnit,
+    profile::{Alternative, Profile, convention::AngleUnit},
     request::HowAsked,
     runner_up::{RunnerUp, nearest_first},
 };
@@ -239,6 +239,21 @@ pub enum Misfit {
 }
 
 impl Misfit {
+    /// The same without the topic that comes nearest, if its messages do not even have a field by which the profile knows
+    /// its own.
+    pub(super) fn unless_strange(self, profile: &Profile) -> Self {
+        let select = |alternative: &Alternative| alternative.location.select.clone();
+        let known_by = profile.alternatives(Kind::Attitude).iter().flat_map(select);
+        let known_by: Vec<FieldPath> = known_by.map(|filter| filter.field).collect();
+        match self {
+            Self::NoSuchFields { fields, nearest } => Self::NoSuchFields {
+                fields,
+                nearest: nearest.filter(|one| !known_by.iter().any(|field| one.cause.lacks(field))),
+            },
+            other => other,
+        }
+    }
+
     /// Whether something in the log comes near.
     pub(super) fn is_near(&self) -> bool {
         match self {

@@ -26,7 +26,7 @@ pub use fields::{
     AccelerationFields, AngularRateFields, AttitudeFields, Coordinates, Euler, GimbalFields,
     HeightFields, OptionalField, Orientation, Pitch, Quaternion, RoleFields, VelocityFields,
 };
-pub use location::{Condition, Location, SampleTime, Test, TimeField, Written};
+pub use location::{Condition, Location, Primary, SampleTime, Test, TimeField, Written};
 pub use own::OwnProfile;
 
 /// Where a log of one kind has its telemetry, and in which conventions. [`Profile::parse`] reads it from TOML.

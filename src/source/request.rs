@@ -194,9 +194,7 @@ fn replace(alternatives: &mut Vec<Alternative>, argument: &RoleArgument) {
         RoleArgument::Fields(alternative) => *alternatives = vec![(**alternative).clone()],
         RoleArgument::Topic { topic, select } => {
             // How to read one topic says nothing about how to read others.
-            if alternatives.iter().any(|one| knows(one, topic)) {
-                alternatives.retain(|one| knows(one, topic));
-            }
+            alternatives.retain(|one| one.location.topics.is_empty() || knows(one, topic));
             for alternative in alternatives {
                 alternative.location.topics = vec![topic.clone()];
                 if !select.is_empty() {

@@ -9,6 +9,7 @@ mod log_search;
 mod look;
 mod namespace_search;
 mod places;
+mod primary;
 
 use std::{cmp::Reverse, collections::BTreeSet};
 
@@ -222,6 +223,9 @@ impl Source {
     fn find_by(log_search: &LogSearch, request: &Request) -> Result<Self, TelemetryError> {
         log_search.check_request()?;
         let mut profiles = request.profiles();
+        for adapted in &mut profiles {
+            log_search.settle_primaries(&mut adapted.profile)?;
+        }
         // The most specific come first. The sort is stable, so equals keep their order.
         profiles.sort_by_key(|adapted| Reverse(specificity(adapted.attitude())));
         let (mut candidates, misfits) = try_profiles(log_search, &profiles)?;
@@ -363,7 +367,10 @@ fn try_profiles<'p>(
             }
             Err(Unfit::Misfit(misfit)) => misfits.push(RunnerUp {
                 profile: (&adapted.profile.name).into(),
-                attitude: Err(misfit),
+                attitude: Err(match profiles.len() {
+                    1 => misfit,
+                    _ => misfit.unless_strange(&adapted.profile),
+                }),
                 others: log_search.topics_named_by(&adapted.profile),
             }),
             Err(Unfit::Hopeless(error)) => return Err(error),

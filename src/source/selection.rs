@@ -126,10 +126,14 @@ impl Selection {
         self.unselected
     }
 
-    /// The filters that held for no message.
+    /// The filters that held for no message; none if those of one of several readings did.
     pub fn unmet(&self) -> impl Iterator<Item = UnmetFilter> {
-        let trials = self.readings.iter().flat_map(|reading| &reading.trials);
-        trials.filter_map(Trial::unmet)
+        let unmet = |reading: &OfReading| -> Vec<UnmetFilter> {
+            reading.trials.iter().filter_map(Trial::unmet).collect()
+        };
+        let unmet: Vec<_> = self.readings.iter().map(unmet).collect();
+        let is_any_met = unmet.iter().any(Vec::is_empty);
+        unmet.into_iter().filter(move |_| !is_any_met).flatten()
     }
 
     /// Adds what a clone has noted of other messages.

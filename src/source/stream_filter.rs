@@ -148,9 +148,10 @@ impl StreamFilter {
         alternatives.any(|alternative| {
             let longer = alternative.longer_readings().into_iter();
             let longer = longer.map(|reading| reading.topic.as_str().to_owned());
-            let names: Vec<String> = (alternative.location.topics.iter().cloned())
-                .chain(longer)
-                .collect();
+            let primary = alternative.location.primary.iter();
+            let of_primary = primary.flat_map(|primary| &primary.topics);
+            let topics = alternative.location.topics.iter().chain(of_primary);
+            let names: Vec<String> = (topics.cloned()).chain(longer).collect();
             names.iter().any(is_match)
         })
     }

@@ -195,6 +195,15 @@ fn parse(page: &str, toml: &str) -> Profile {
     Profile::parse(toml).unwrap_or_else(|problem| panic!("{page}: {problem}\n{toml}"))
 }
 
+/// The texts of the profiles that are examples.
+fn example_texts() -> Vec<String> {
+    let texts = pages().into_iter().flat_map(|(_, text)| {
+        let blocks = blocks(&text, "toml").into_iter();
+        blocks.map(|toml| toml.to_owned()).collect::<Vec<_>>()
+    });
+    texts.collect()
+}
+
 /// The profiles that are examples.
 fn examples() -> Vec<Profile> {
     let examples = pages().into_iter().flat_map(|(page, text)| {
@@ -292,6 +301,13 @@ fn every_key_of_a_profile_is_explained_and_every_explained_one_exists() {
     let mut known = BTreeSet::new();
     for profile in Profile::built_in().iter().chain(&examples()) {
         add_keys(&table(profile), "", &mut known);
+    }
+    // Some keys are short for others, by which they are replaced when a profile is read.
+    let texts = Profile::built_in_texts()
+        .iter()
+        .map(|text| (*text).to_owned());
+    for text in texts.chain(example_texts()) {
+        add_keys(&text.parse().expect("TOML"), "", &mut known);
     }
     let known = known.into_iter().map(|path| match path.split_once('.') {
         Some((_role, rest)) if explained.contains(&format!("*.{rest}")) => format!("*.{rest}"),

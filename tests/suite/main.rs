@@ -160,6 +160,8 @@ mod source {
     mod frames;
     // Each type that says something about them.
     mod frame_rules;
+    // Messages in several forms, and of several types on one topic.
+    mod forms;
     // JSON fields that are null at first.
     mod json_null;
     // `when` and `valid`.

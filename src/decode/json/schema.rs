@@ -1,5 +1,7 @@
 //! What a JSON Schema and a channel's first messages say about its messages.
 
+use std::cell::Cell;
+
 use serde_json::{Map, Value};
 
 use super::{
@@ -36,6 +38,8 @@ pub struct JsonSchema<'a> {
     first_messages: &'a FirstMessages<'a>,
     channel_id: u16,
     proof: Proof,
+    /// Whether messages of other types may follow the first ones, with other fields.
+    has_several_types: Cell<bool>,
 }
 
 impl<'a> JsonSchema<'a> {
@@ -54,7 +58,13 @@ impl<'a> JsonSchema<'a> {
             first_messages,
             channel_id,
             proof,
+            has_several_types: Cell::new(false),
         })
+    }
+
+    /// From now on, fields that the first messages do not have are looked for in more of them.
+    pub fn expect_several_types(&self) {
+        self.has_several_types.set(true);
     }
 
     /// The kind of field a path leads to: as the JSON Schema says or, if that leaves it open, as in one of the first
@@ -68,7 +78,12 @@ impl<'a> JsonSchema<'a> {
         }
         let mut messages = self.first_messages.of(self.channel_id)?;
         let mut shown = Shown::by(messages, path);
-        if matches!(shown, Shown::Null | Shown::BelowNull) {
+        let is_open = match shown {
+            Shown::Null | Shown::BelowNull => true,
+            Shown::Value(_) => false,
+            Shown::Nothing => self.has_several_types.get(),
+        };
+        if is_open {
             match self.first_messages.more_of(self.channel_id)? {
                 Some(more) => {
                     messages = more;

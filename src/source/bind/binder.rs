@@ -253,6 +253,10 @@ impl<'a> Binder<'a> {
     /// Resolves a filter.
     pub fn filter(&mut self, filter: &Filter) -> Result<Filter<Slot>, BindError> {
         let slot = self.field(&filter.field, filter.value.shape())?;
+        if self.missing.is_none() {
+            // The messages that satisfy it may have fields that the others do not have.
+            self.schema.expect_several_types();
+        }
         Ok(filter.with_field(slot))
     }
 
@@ -262,13 +266,13 @@ impl<'a> Binder<'a> {
         Condition { field, test }: &Condition,
     ) -> Result<Condition<Slot>, BindError> {
         let slot = match test {
-            Test::Is(_) | Test::HasBits(_) => self.number(field)?,
-            Test::Says(text) if text.len() > FieldValue::LONGEST_TEXT => {
+            Test::Is(_) | Test::HasBits(_) | Test::IsInteger(_) => self.number(field)?,
+            Test::Says(text) | Test::Contains(text) if text.len() > FieldValue::LONGEST_TEXT => {
                 return Err(BindError::LongText {
                     path: field.clone(),
                 });
             }
-            Test::Says(_) => self.text(field)?,
+            Test::Says(_) | Test::Contains(_) => self.text(field)?,
         };
         Ok(Condition {
             field: slot,

@@ -57,6 +57,11 @@ impl BindError {
         }
     }
 
+    /// Whether the messages do not have this field.
+    pub fn lacks(&self, field: &FieldPath) -> bool {
+        matches!(self, Self::Schema(SchemaError::NoSuchField { missing, .. }) if missing.contains(field))
+    }
+
     /// Whether the fields of the messages cannot be known.
     pub fn is_opaque(&self) -> bool {
         matches!(self, Self::Schema(error) if error.is_opaque())

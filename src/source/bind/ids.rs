@@ -12,7 +12,7 @@ pub struct BoundId {
 
 /// The names of such fields, beside a value or beside a message that it is in: those of gimbal devices, vehicles and
 /// their components in MAVLink and PX4, the frames of ROS, and the usual ones of people's own loggers.
-const NAMES: [&str; 24] = [
+const NAMES: [&str; 26] = [
     "gimbal_device_id",
     "gimbal_id",
     "device_id",
@@ -26,6 +26,8 @@ const NAMES: [&str; 24] = [
     "srcComponent",
     "header.system_id",
     "header.component_id",
+    "meta.srcSystem",
+    "meta.srcComponent",
     "vehicle_id",
     "drone_id",
     "uav_id",
@@ -39,9 +41,14 @@ const NAMES: [&str; 24] = [
     "body_frame_id",
 ];
 
-/// Finds these fields around a value.
-pub fn bind_ids(binder: &mut Binder, value: &FieldPath) -> Vec<BoundId> {
+/// Finds these fields around a value, and one that the profile names.
+pub fn bind_ids(binder: &mut Binder, value: &FieldPath, named: Option<&FieldPath>) -> Vec<BoundId> {
     let mut ids = Vec::new();
+    if let Some(field) = named.cloned()
+        && let Some(slot) = binder.id_if_there(&field)
+    {
+        ids.push(BoundId { field, slot });
+    }
     for depth in 0..value.steps().len() {
         for name in NAMES {
             let names = name.split('.');

@@ -32,8 +32,15 @@ impl Condition<Slot> {
         Ok(match &self.test {
             Test::Is(wanted) => exact(values, self.field)?.is(*wanted),
             Test::HasBits(bits) => exact(values, self.field)?.bits() & bits != 0,
-            Test::Says(_) if !value.is_present() => return Err(DropReason::MissingField),
+            Test::IsInteger(wanted) => exact(values, self.field)?.is_integer() == *wanted,
+            Test::Says(_) | Test::Contains(_) if !value.is_present() => {
+                return Err(DropReason::MissingField);
+            }
             Test::Says(wanted) => value.text() == Some(wanted.as_bytes()),
+            Test::Contains(part) => value.text().is_some_and(|text| {
+                let mut parts = text.windows(part.len().max(1));
+                part.is_empty() || parts.any(|bytes| bytes == part.as_bytes())
+            }),
         })
     }
 }

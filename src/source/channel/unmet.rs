@@ -55,6 +55,9 @@ impl fmt::Display for UnmetCondition {
         let wanted = self.wanted.iter().map(|test| match test {
             Test::Is(number) => number.to_string(),
             Test::Says(text) => quoted(text),
+            Test::Contains(text) => format!("a text with {}", quoted(text)),
+            Test::IsInteger(true) => "an integer".to_owned(),
+            Test::IsInteger(false) => "a number with a decimal point".to_owned(),
             Test::HasBits(bits) => format!("any bit of {bits}"),
         });
         let wanted = text::join(wanted, " or ");

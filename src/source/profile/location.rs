@@ -23,6 +23,10 @@ pub struct Location {
     /// but not dropped.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub select: Vec<Filter>,
+    /// Which of several sources on the topic is the primary one, if messages elsewhere say so. If they do not, and there are
+    /// several, the user has to choose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub primary: Option<Primary>,
     /// What must hold for a message to be read this way. A message for which no alternative holds is dropped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub when: Option<Condition>,
@@ -33,6 +37,18 @@ pub struct Location {
     /// What the time of a sample is, if it is not the profile's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<SampleTime>,
+}
+
+/// Where messages say which of several sources is the primary one.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Primary {
+    /// The topics of these messages, any of which may be there.
+    pub topics: Vec<String>,
+    /// The field with the primary source's number. What most messages have counts.
+    pub field: FieldPath,
+    /// The field of the source's own messages that has its number.
+    pub among: FieldPath,
 }
 
 /// How a topic was written. Locations with the same topic are equal however it was written.
@@ -88,6 +104,10 @@ pub enum Test {
     Is(i64),
     /// This text.
     Says(String),
+    /// A text with this in it.
+    Contains(String),
+    /// A number that is written without a decimal point, or is of an integer type; or one that is not.
+    IsInteger(bool),
     /// A number with any of these bits.
     HasBits(u64),
 }

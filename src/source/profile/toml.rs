@@ -1,5 +1,6 @@
 //! Profiles as TOML: what serde does not do by itself.
 
+mod forms;
 mod keys;
 
 use std::ops::Range;
@@ -17,6 +18,8 @@ use super::{
     error::{BadRole, NotAProfile, Problem},
     yes,
 };
+use forms::Form;
+
 use crate::{
     decode::path::{Filter, MessagePath},
     sample::Kind,
@@ -38,7 +41,7 @@ const WITH_PATHS: [&str; 9] = [
 ];
 
 /// What a field may be tested for, one of these.
-const TESTS: &[&str] = &["is", "says", "has_bits"];
+const TESTS: &[&str] = &["is", "is_integer", "says", "contains", "has_bits"];
 
 /// The keys of a profile apart from its roles.
 #[derive(Deserialize)]
@@ -54,6 +57,9 @@ struct Header {
     time: SampleTime,
     #[serde(default)]
     camera: CameraSetup,
+    /// In which forms the messages of its alternatives are written.
+    #[serde(default)]
+    forms: Vec<Form>,
 }
 
 /// What is wrong, and where in the text.
@@ -89,7 +95,7 @@ fn read(document: Spanned<DeTable>) -> Result<Profile, Found> {
     for (role, given) in given {
         let alternatives = match given {
             None => Vec::new(),
-            Some(given) => read_role(role, given, header.namespaced)?,
+            Some(given) => read_role(role, given, &header)?,
         };
         roles[role as usize] = alternatives;
     }
@@ -108,7 +114,7 @@ fn read(document: Spanned<DeTable>) -> Result<Profile, Found> {
 fn read_role(
     role: Kind,
     given: Spanned<DeValue>,
-    namespaced: bool,
+    header: &Header,
 ) -> Result<Vec<Alternative>, Found> {
     let place = given.span();
     let list = match given.into_inner() {
@@ -116,11 +122,15 @@ fn read_role(
         single => vec![Spanned::new(place, single)],
     };
     let mut alternatives: Vec<Alternative> = Vec::new();
-    for given in list {
+    let in_forms = list.iter().flat_map(|given| match &header.forms[..] {
+        [] => vec![given.clone()],
+        forms => forms.iter().map(|form| form.of(given)).collect(),
+    });
+    for given in in_forms {
         let place = given.span();
         let alternative = read_alternative(role, given)?;
         let topics = &alternative.location.topics;
-        if !namespaced && topics.iter().any(|topic| topic.contains(VEHICLE)) {
+        if !header.namespaced && topics.iter().any(|topic| topic.contains(VEHICLE)) {
             return Err((place, Problem::VehicleWithoutNamespace));
         }
         let first = alternatives.first();
@@ -305,7 +315,7 @@ fn lift_from(
         DeValue::Array(values) => lift_from_all(values, lifted),
         // The text that a field is compared with may look like a path, as ROS 1's frame ids do.
         DeValue::Table(table) => (table.iter_mut())
-            .filter(|(key, _)| key.get_ref() != "says")
+            .filter(|(key, _)| !["says", "contains"].contains(&key.get_ref().as_ref()))
             .try_for_each(|(_, value)| lift_from(value, lifted)),
         _ => Ok(()),
     }

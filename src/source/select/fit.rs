@@ -69,7 +69,10 @@ pub enum Specificity {
 pub fn specificity(attitude: &[Alternative]) -> Specificity {
     match attitude.first() {
         Some(first) if !first.location.topics.is_empty() => Specificity::Topic,
-        Some(first) if !first.location.schemas.is_empty() => Specificity::Schema,
+        // A message that says of which type it is, is as good as a type.
+        Some(first) if !first.location.schemas.is_empty() || !first.location.select.is_empty() => {
+            Specificity::Schema
+        }
         _ => Specificity::Fields,
     }
 }

@@ -69,7 +69,7 @@ fn a_flight_has_the_same_numbers_in_every_convention() {
         ] {
             let used = match &telemetry.roles[&kind] {
                 RoleReport::Found(found) => {
-                    assert_eq!(found.read, found.messages);
+                    assert_eq!(found.read, found.messages, "{}", recording.name);
                     assert!(found.first.is_some());
                     Some(found.tally.used)
                 }

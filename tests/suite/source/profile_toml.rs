@@ -304,11 +304,11 @@ fn errors_name_the_place_and_what_would_be_valid() {
         ),
         (
             "attitude = { orientation.quaternion = \"q\", when = { field = \"f\" } }",
-            "`when` needs one of `is`, `says`, `has_bits`, in `attitude`",
+            "`when` needs one of `is`, `is_integer`, `says`, `contains`, `has_bits`, in `attitude`",
         ),
         (
             "attitude = { orientation.quaternion = \"q\", when = { field = \"f\", is = 1, says = \"x\" } }",
-            "`when` takes only one of `is`, `says`, `has_bits`, in `attitude`",
+            "`when` takes only one of `is`, `is_integer`, `says`, `contains`, `has_bits`, in `attitude`",
         ),
         (
             "attitude = { orientation.quaternion = \"q\", reset_counter = \"r\" }",

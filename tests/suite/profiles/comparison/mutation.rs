@@ -12,6 +12,7 @@ pub struct Mutation {
 
 const ANGLES: [&str; 4] = ["radians", "degrees", "centidegrees", "degE7"];
 const LENGTHS: [&str; 3] = ["m", "cm", "mm"];
+const TIMES: [&str; 4] = ["s", "ms", "us", "ns"];
 const SPEEDS: [&str; 3] = ["m/s", "cm/s", "mm/s"];
 
 /// The profile with each of its conventions replaced by each other that there is.
@@ -112,9 +113,13 @@ fn replacements(role: &str, key: &str, value: &Value) -> Vec<Variant> {
         ("unit" | "altitude_unit", Value::String(unit)) => match unit.as_str() {
             unit if ANGLES.contains(&unit) => others(&ANGLES),
             unit if LENGTHS.contains(&unit) => others(&LENGTHS),
+            unit if TIMES.contains(&unit) => others(&TIMES),
             _ => others(&SPEEDS),
         },
-        ("says", _) => others(&["another frame"]),
+        ("says" | "contains", _) => others(&["another frame"]),
+        ("is_integer", Value::Boolean(truth)) => {
+            vec![("the opposite".to_owned(), Value::from(!truth))]
+        }
         ("ignore_frame_ids", _) => vec![("heeded".to_owned(), Value::from(false))],
         ("is", Value::Integer(1)) => number(2),
         ("is", _) => number(1),

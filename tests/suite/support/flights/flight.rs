@@ -23,6 +23,8 @@ pub struct Flight {
     /// When there is a message that the log itself marks as unusable.
     pub invalid_times: Vec<u64>,
     pub simulated: Option<Rc<Simulated>>,
+    /// The angles are whole numbers of these steps, degrees.
+    pub step: Option<f64>,
 }
 
 /// Degrees, degrees, metres.
@@ -47,7 +49,14 @@ impl Flight {
             position_times: times(100, 19, 600),
             invalid_times: times(140, 18, 630),
             simulated: None,
+            step: None,
         }
+    }
+
+    /// The same with angles that are whole numbers of steps, degrees, for publishers that write integers.
+    pub fn in_steps_of(self, degrees: f64) -> Self {
+        let step = Some(degrees);
+        Self { step, ..self }
     }
 
     /// As [`Flight::new`], where one message has the attitude, the velocity and the position.
@@ -115,7 +124,7 @@ impl Flight {
     pub fn attitude(&self, time: u64) -> UnitQuaternion<f64> {
         match &self.simulated {
             Some(simulated) => simulated.attitude(since_start(time)),
-            None => slerp(&self.attitude_times, time, attitude),
+            None => slerp(&self.attitude_times, time, |time| self.angles(time)),
         }
     }
 
@@ -123,7 +132,7 @@ impl Flight {
     pub fn angles(&self, time: u64) -> Angles {
         match &self.simulated {
             Some(_) => self.attitude(time).euler_angles().into(),
-            None => attitude(time),
+            None => self.in_steps(attitude(time)),
         }
     }
 
@@ -144,7 +153,7 @@ impl Flight {
     pub fn gimbal(&self, time: u64) -> UnitQuaternion<f64> {
         match &self.simulated {
             Some(simulated) => simulated.gimbal(since_start(time)),
-            None => slerp(&self.gimbal_times, time, gimbal),
+            None => slerp(&self.gimbal_times, time, |time| self.gimbal_angles(time)),
         }
     }
 
@@ -152,8 +161,15 @@ impl Flight {
     pub fn gimbal_angles(&self, time: u64) -> Angles {
         match &self.simulated {
             Some(_) => self.gimbal(time).euler_angles().into(),
-            None => gimbal(time),
+            None => self.in_steps(gimbal(time)),
         }
+    }
+
+    fn in_steps(&self, angles: Angles) -> Angles {
+        angles.map(|angle| match self.step {
+            None => angle,
+            Some(step) => ((angle.to_degrees() / step).round() * step).to_radians(),
+        })
     }
 
     /// Where the drone is on the globe.

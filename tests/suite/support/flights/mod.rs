@@ -12,8 +12,10 @@ pub mod recording;
 pub mod simulated;
 
 mod ardupilot;
+mod dataflash;
 mod dji;
 mod flat;
+mod mavlink;
 mod mavros;
 mod nav_msgs;
 mod px4;
@@ -30,7 +32,9 @@ pub fn recordings() -> Vec<Recording> {
         px4_ulog::recordings(),
         px4_ros2::recordings(),
         mavros::recordings(),
+        mavlink::recordings(),
         ardupilot::recordings(),
+        dataflash::recordings(),
         dji::recordings(),
         nav_msgs::recordings(),
         flat::recordings(),
