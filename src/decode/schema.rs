@@ -34,6 +34,26 @@ pub enum MessageDecoder {
     Ros(RosDecoder),
 }
 
+/// The encodings of messages and schemas that can be read.
+enum Supported {
+    Protobuf,
+    Json,
+    Ros(Dialect),
+}
+
+impl Supported {
+    fn of(channel: &Channel, schema: Option<&contents::SchemaRecord>) -> Option<Self> {
+        let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
+        match (channel.message_encoding.as_str(), schema_encoding) {
+            ("protobuf", "protobuf") => Some(Self::Protobuf),
+            ("json", "jsonschema" | "") => Some(Self::Json),
+            ("cdr", "ros2msg") => Some(Self::Ros(Dialect::Ros2)),
+            ("ros1", "ros1msg") => Some(Self::Ros(Dialect::Ros1)),
+            _ => None,
+        }
+    }
+}
+
 impl<'a> MessageSchema<'a> {
     /// Reads the schema of a channel, which refers to this schema record.
     pub fn of(
@@ -42,26 +62,27 @@ impl<'a> MessageSchema<'a> {
         first_messages: &'a FirstMessages<'a>,
         proof: Proof,
     ) -> Result<Self, SchemaError> {
-        let schema_encoding = schema.map_or("", |schema| schema.encoding.as_str());
-        match (channel.message_encoding.as_str(), schema_encoding, schema) {
-            ("protobuf", "protobuf", Some(schema)) => {
+        match (Supported::of(channel, schema), schema) {
+            (Some(Supported::Protobuf), Some(schema)) => {
                 ProtobufSchema::new(&schema.name, schema.data()).map(Self::Protobuf)
             }
-            ("json", "jsonschema" | "", schema) => {
+            (Some(Supported::Json), schema) => {
                 let data = schema.map_or(&[][..], |schema| schema.data());
                 JsonSchema::new(data, first_messages, channel.id, proof).map(Self::Json)
             }
-            ("cdr", "ros2msg", Some(schema)) => {
-                RosSchema::new(Dialect::Ros2, &schema.name, schema.data()).map(Self::Ros)
+            (Some(Supported::Ros(dialect)), Some(schema)) => {
+                RosSchema::new(dialect, &schema.name, schema.data()).map(Self::Ros)
             }
-            ("ros1", "ros1msg", Some(schema)) => {
-                RosSchema::new(Dialect::Ros1, &schema.name, schema.data()).map(Self::Ros)
-            }
-            (message_encoding, schema_encoding, _) => Err(SchemaError::Encoding {
-                message_encoding: message_encoding.into(),
-                schema_encoding: schema_encoding.into(),
+            (_, schema) => Err(SchemaError::Encoding {
+                message_encoding: channel.message_encoding.as_str().into(),
+                schema_encoding: schema.map_or("", |schema| schema.encoding.as_str()).into(),
             }),
         }
+    }
+
+    /// Whether the schema of a channel is of a kind that can be read.
+    pub fn is_supported(channel: &Channel, schema: Option<&contents::SchemaRecord>) -> bool {
+        Supported::of(channel, schema).is_some()
     }
 
     /// Has fields that the first messages do not have looked for in more of them, because messages are of several types.

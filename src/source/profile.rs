@@ -13,7 +13,7 @@ mod location;
 mod own;
 mod toml;
 
-use std::path::Path;
+use std::{path::Path, sync::OnceLock};
 
 use serde::Serialize;
 
@@ -124,8 +124,16 @@ impl Alternative {
 impl Profile {
     /// The built-in profiles.
     pub fn built_in() -> Vec<Self> {
-        let texts = BUILT_IN.iter();
-        texts.map(|text| Self::parse_built_in(text)).collect()
+        Self::known().to_vec()
+    }
+
+    /// The same, parsed only once.
+    pub(in crate::source) fn known() -> &'static [Self] {
+        static PROFILES: OnceLock<Vec<Profile>> = OnceLock::new();
+        PROFILES.get_or_init(|| {
+            let texts = BUILT_IN.iter();
+            texts.map(|text| Self::parse_built_in(text)).collect()
+        })
     }
 
     fn parse_built_in(text: &str) -> Self {
@@ -142,7 +150,7 @@ impl Profile {
     /// # Errors
     /// No built-in profile has this name.
     pub fn built_in_text(name: &str) -> Result<&'static str, ProfileError> {
-        let profiles = Self::built_in();
+        let profiles = Self::known();
         let place = profiles.iter().position(|profile| profile.name == name);
         place
             .map(|place| BUILT_IN[place])

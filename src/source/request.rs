@@ -108,7 +108,7 @@ impl Request {
     /// Whether the profile of this name that is used is one of the user's own.
     pub(super) fn is_own(&self, name: &Foreign) -> bool {
         match &self.profile {
-            ProfileChoice::Given(profile) => !Profile::built_in().contains(profile),
+            ProfileChoice::Given(profile) => !Profile::known().contains(profile),
             ProfileChoice::Automatic => self.is_replaced(name.as_str()),
         }
     }

@@ -10,6 +10,7 @@ mod look;
 mod namespace_search;
 mod places;
 mod primary;
+mod prospects;
 
 use std::{cmp::Reverse, collections::BTreeSet};
 

@@ -197,7 +197,7 @@ fn parse(page: &str, toml: &str) -> Profile {
 
 /// The texts of the profiles that are examples.
 fn example_texts() -> Vec<String> {
-    let texts = pages().into_iter().flat_map(|(_, text)| {
+    let texts = pages().into_values().flat_map(|text| {
         let blocks = blocks(&text, "toml").into_iter();
         blocks.map(|toml| toml.to_owned()).collect::<Vec<_>>()
     });

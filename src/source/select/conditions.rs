@@ -23,8 +23,7 @@ impl NamespaceSearch<'_> {
     /// # Errors
     /// A field is missing, or the log cannot be read.
     pub fn check_conditions(&self, fit: &Fit) -> Result<(), TelemetryError> {
-        let built_in = Profile::built_in();
-        let alternatives = built_in.iter().flat_map(|profile| {
+        let alternatives = Profile::known().iter().flat_map(|profile| {
             Kind::ALL
                 .into_iter()
                 .flat_map(|kind| profile.alternatives(kind))

@@ -1,6 +1,9 @@
 //! Looking for a profile's telemetry in a log: in which namespaces, and on which topics.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    rc::Rc,
+};
 
 use mcap::records::Channel;
 
@@ -8,6 +11,7 @@ use super::{
     Thoroughness, derived_from,
     fit::{Fit, Specificity, specificity},
     namespace_search::NamespaceSearch,
+    prospects::{Prospect, Words},
 };
 use crate::{
     decode::{FirstMessages, Proof, path::FieldPath, schema::MessageSchema},
@@ -28,7 +32,7 @@ use crate::{
 /// each contains the definitions of all topics.
 pub struct LogSearch<'a> {
     pub log: &'a Log,
-    examples: &'a FirstMessages<'a>,
+    pub examples: &'a FirstMessages<'a>,
     /// What it takes for the fields of JSON messages to be there.
     pub proof: Proof,
     /// The channels that have messages, by topic.
@@ -44,6 +48,8 @@ pub struct LogSearch<'a> {
     pub kinds: &'static [Kind],
     /// Those that viewers are shown, which are looked for, too.
     pub shown: &'static [Kind],
+    /// The words in schemas by which profiles that name no topics find theirs.
+    pub words: Rc<Words>,
 }
 
 impl<'a> LogSearch<'a> {
@@ -79,6 +85,7 @@ impl<'a> LogSearch<'a> {
             thoroughness,
             kinds,
             shown: &[],
+            words: Rc::new(Words::wanted_by(&request.profiles())),
         }
     }
 
@@ -213,6 +220,7 @@ impl<'a> LogSearch<'a> {
         let by_itself = LogSearch {
             requested: &requested,
             topics: self.topics.clone(),
+            words: Rc::clone(&self.words),
             ..*self
         };
         match by_itself.fit_by_content(original, by_content) {
@@ -313,13 +321,27 @@ impl<'a> LogSearch<'a> {
         let search = self.search(profile, by_content, namespace);
         let mut fitting = Vec::new();
         let mut misfits = Vec::new();
+        let mut partial = Vec::new();
         for topic in (self.topics.keys()).filter(|topic| is_within(topic, namespace)) {
+            match self.prospect(profile, topic)? {
+                Prospect::Hopeless => continue,
+                Prospect::Partial => {
+                    partial.push(topic);
+                    continue;
+                }
+                Prospect::Possible => {}
+            }
             match search.check_data_point(topic) {
                 Ok(()) => fitting.push(topic),
                 Err(error) => misfits.push(TopicMisfit::new(topic, error.unless_of_reading()?)),
             }
         }
         if fitting.is_empty() {
+            for topic in partial {
+                if let Err(error) = search.check_data_point(topic) {
+                    misfits.push(TopicMisfit::new(topic, error.unless_of_reading()?));
+                }
+            }
             return Err(self.no_topic(profile, misfits).into());
         }
         any_or_first_misfit(fitting.into_iter().map(|topic| {

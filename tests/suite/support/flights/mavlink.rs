@@ -82,11 +82,21 @@ const MESSAGES: [Messages; 6] = [
 ];
 
 pub fn recordings() -> Vec<Recording> {
-    let forms = [Form::Dict, Form::Rest, Form::Dump];
-    let all = forms.map(|form| {
-        MESSAGES.map(|messages| [false, true].map(|is_stream| recording(form, messages, is_stream)))
-    });
-    all.into_iter().flatten().flatten().collect()
+    let forms_of = |messages: &Messages| match messages.gimbal {
+        // One has the flags as a number, the other their names.
+        Gimbal::Device(..) => vec![Form::Dict, Form::Rest],
+        Gimbal::Orientation => vec![Form::Dump],
+        Gimbal::Status => vec![Form::Dump, Form::Rest],
+    };
+    let in_forms = |messages: &Messages| {
+        let forms = forms_of(messages).into_iter();
+        forms.map(|form| (form, *messages)).collect::<Vec<_>>()
+    };
+    let all = MESSAGES.iter().flat_map(in_forms);
+    all.flat_map(|(form, messages)| {
+        [false, true].map(|is_stream| recording(form, messages, is_stream))
+    })
+    .collect()
 }
 
 fn recording(form: Form, messages: Messages, is_stream: bool) -> Recording {

@@ -1,0 +1,170 @@
+//! Which topics could have what a profile looks for by its fields, so that only their schemas are parsed.
+//!
+//! A schema names its fields, in whatever encoding, so a field of which the name is nowhere in it is not there. That is
+//! found out in one pass over a schema for all profiles.
+
+use std::{
+    cell::OnceCell,
+    collections::{BTreeMap, HashSet},
+};
+
+use mcap::records::Channel;
+use serde_json::Value;
+
+use super::LogSearch;
+use crate::{
+    decode::{FirstMessages, path::PathStep, schema::MessageSchema},
+    log::ReadError,
+    sample::Kind,
+    source::{
+        profile::{Alternative, Profile},
+        request::Adapted,
+    },
+};
+
+/// A name of 48 bytes or more may have its length before it, in protobuf's descriptors, as a byte that looks like a part of it.
+const LONGEST_WORD: usize = 47;
+
+/// The words in the schemas and first messages of a log's channels.
+#[derive(Debug, Default)]
+pub struct Words {
+    /// Those that are looked for.
+    wanted: HashSet<String>,
+    /// Those of them that a channel has.
+    found: OnceCell<BTreeMap<u16, HashSet<String>>>,
+}
+
+impl Words {
+    /// Looks for the words that these profiles know attitudes by.
+    pub fn wanted_by(profiles: &[Adapted]) -> Self {
+        let alternatives = profiles.iter().flat_map(|adapted| {
+            let given = adapted.profile.alternatives(Kind::Attitude);
+            given.iter().chain(adapted.attitude())
+        });
+        Self {
+            wanted: alternatives.flat_map(words_of).map(str::to_owned).collect(),
+            found: OnceCell::new(),
+        }
+    }
+}
+
+/// How much of what a profile looks for a topic has at most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Prospect {
+    /// Nothing.
+    Hopeless,
+    /// A part of it, which is worth saying if nothing else is found.
+    Partial,
+    /// All of it, by the names of its fields.
+    Possible,
+}
+
+impl LogSearch<'_> {
+    /// How much of a profile's attitude the messages of a topic have at most.
+    ///
+    /// # Errors
+    /// The log cannot be read.
+    pub fn prospect(&self, profile: &Profile, topic: &str) -> Result<Prospect, ReadError> {
+        let mut best = Prospect::Hopeless;
+        for channel in &self.topics[topic] {
+            for alternative in profile.alternatives(Kind::Attitude) {
+                best = best.max(self.prospect_of(alternative, channel)?);
+            }
+        }
+        Ok(best)
+    }
+
+    fn prospect_of(
+        &self,
+        alternative: &Alternative,
+        channel: &Channel,
+    ) -> Result<Prospect, ReadError> {
+        let schema = self.log.contents.schema_of(channel);
+        if !MessageSchema::is_supported(channel, schema) {
+            // What such messages have is not known, and the user should hear that.
+            return Ok(Prospect::Possible);
+        }
+        if !alternative.location.is_for(self.schema_name(channel)) {
+            return Ok(Prospect::Hopeless);
+        }
+        let found = self.words_of(channel.id)?;
+        if self.examples.fault_of(channel.id).is_some() {
+            return Ok(Prospect::Possible);
+        }
+        let mut words = words_of(alternative).peekable();
+        let is_there =
+            |word: &str| !is_a_word(word) || found.is_some_and(|found| found.contains(word));
+        if words.peek().is_none() {
+            return Ok(Prospect::Possible);
+        }
+        let (there, missing): (Vec<&str>, Vec<&str>) = words.partition(|word| is_there(word));
+        Ok(match (there.is_empty(), missing.is_empty()) {
+            (_, true) => Prospect::Possible,
+            (true, false) => Prospect::Hopeless,
+            (false, false) => Prospect::Partial,
+        })
+    }
+
+    fn words_of(&self, channel_id: u16) -> Result<Option<&HashSet<String>>, ReadError> {
+        if self.words.found.get().is_none() {
+            let mut found = BTreeMap::new();
+            for channel in self.topics.values().flatten() {
+                let schema = self.log.contents.schema_of(channel);
+                let data = schema.map_or(&[][..], |schema| schema.data());
+                let is_part = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+                let words = data.split(|byte| !is_part(byte));
+                let words = words.filter_map(|word| std::str::from_utf8(word).ok());
+                let mut words: HashSet<String> = words
+                    .filter(|word| self.words.wanted.contains(*word))
+                    .map(str::to_owned)
+                    .collect();
+                if FirstMessages::tell_the_fields_of(channel) {
+                    let messages = self.examples.of(channel.id)?.iter();
+                    let names = messages
+                        .filter_map(Value::as_object)
+                        .flat_map(|fields| fields.keys());
+                    words.extend(
+                        names
+                            .filter(|name| self.words.wanted.contains(*name))
+                            .cloned(),
+                    );
+                }
+                found.insert(channel.id, words);
+            }
+            self.words.found.get_or_init(|| found);
+        }
+        Ok(self
+            .words
+            .found
+            .get()
+            .and_then(|found| found.get(&channel_id)))
+    }
+}
+
+/// The names without which an alternative reads nothing: those of its outermost fields or, if it knows its messages by filters,
+/// of those that they compare.
+fn words_of(alternative: &Alternative) -> impl Iterator<Item = &str> {
+    let filters = alternative
+        .location
+        .select
+        .iter()
+        .map(|filter| &filter.field);
+    let fields = match alternative.location.select.is_empty() {
+        true => alternative.fields.fields(),
+        false => filters.collect(),
+    };
+    fields
+        .into_iter()
+        .filter_map(|field| match field.steps().first() {
+            Some(PathStep::Name(name)) => Some(name.as_str()),
+            _ => None,
+        })
+}
+
+/// Whether a name stands by itself in a schema that has it.
+fn is_a_word(name: &str) -> bool {
+    let is_plain = name
+        .bytes()
+        .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    is_plain && name.len() <= LONGEST_WORD
+}
