@@ -14,10 +14,13 @@ pub mod simulated;
 mod ardupilot;
 mod dataflash;
 mod dji;
+mod dji_json;
+mod dji_ros;
 mod flat;
 mod mavlink;
 mod mavros;
 mod nav_msgs;
+mod parrot;
 mod px4;
 mod px4_ros2;
 mod px4_ulog;
@@ -36,6 +39,9 @@ pub fn recordings() -> Vec<Recording> {
         ardupilot::recordings(),
         dataflash::recordings(),
         dji::recordings(),
+        dji_ros::recordings(),
+        dji_json::recordings(),
+        parrot::recordings(),
         nav_msgs::recordings(),
         flat::recordings(),
     ];
