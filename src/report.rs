@@ -148,6 +148,9 @@ pub struct ProfileReport {
     /// Where it finds what it was chosen by instead, if the user gave the attitude.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside: Option<Origin>,
+    /// Whether it is used only because no other fits.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub fallback: bool,
     /// Whether it says where the camera looks, because the user does not.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub gives_camera: bool,
@@ -172,15 +175,17 @@ impl ProfileReport {
             request.roles.get(&Kind::Attitude),
             Some(RoleArgument::Fields(_))
         );
+        let chosen = match request.profile {
+            ProfileChoice::Automatic if is_given && beside.is_none() => Chosen::ByRequest,
+            ProfileChoice::Automatic => Chosen::Automatically,
+            ProfileChoice::Given(_) => Chosen::ByRequest,
+        };
         Self {
             name: (&source.profile.name).into(),
-            chosen: match request.profile {
-                ProfileChoice::Automatic if is_given && beside.is_none() => Chosen::ByRequest,
-                ProfileChoice::Automatic => Chosen::Automatically,
-                ProfileChoice::Given(_) => Chosen::ByRequest,
-            },
+            chosen,
             attitude: source.attitude().clone(),
             beside,
+            fallback: source.profile.fallback && chosen == Chosen::Automatically,
             gives_camera: options.leaves_camera_to(&source.profile),
         }
     }

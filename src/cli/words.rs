@@ -41,6 +41,9 @@ pub fn profile(profile: &ProfileReport) -> String {
         (Chosen::Automatically, Some(beside)) => {
             format!("{name} for what was not given, chosen because {beside}")
         }
+        (_, None) if profile.fallback => format!(
+            "{name}, because no other fits; {attitude}, assumed to be the drone's and in the axes below"
+        ),
         (Chosen::Automatically, None) => format!("{name}, chosen because {attitude}"),
         (Chosen::ByRequest, _) => format!("{name}, as asked for; {attitude}"),
     }

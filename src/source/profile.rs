@@ -38,6 +38,9 @@ pub struct Profile {
     pub description: String,
     /// Whether the profile is tried on a log for which the user names none.
     pub automatic: bool,
+    /// Whether the profile is tried only if no other fits.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub fallback: bool,
     /// Whether all of its topics may be in a vehicle's namespace: `/drone1/mavros/…` for `/mavros/…`.
     pub namespaced: bool,
     /// What the time of a sample is.
@@ -166,6 +169,7 @@ impl Profile {
             name: name.into(),
             description: String::new(),
             automatic: false,
+            fallback: false,
             namespaced: false,
             time: SampleTime::default(),
             camera: CameraSetup::default(),

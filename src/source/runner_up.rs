@@ -4,7 +4,10 @@ use std::{collections::BTreeMap, fmt};
 
 use serde::{Serialize, Serializer, ser::SerializeStruct};
 
-use super::{Origin, error::Misfit};
+use super::{
+    Origin,
+    error::{Misfit, TopicMisfit},
+};
 use crate::{sample::Kind, text, text::Foreign};
 
 /// A profile that was tried and not chosen.
@@ -20,6 +23,14 @@ pub struct RunnerUp {
 }
 
 impl RunnerUp {
+    /// The topic that comes nearest, where the profile looks for fields on any topic.
+    pub(super) fn nearest_mut(&mut self) -> Option<&mut Option<TopicMisfit>> {
+        match &mut self.attitude {
+            Err(Misfit::NoSuchFields { nearest, .. }) => Some(nearest),
+            _ => None,
+        }
+    }
+
     /// Whether the log has something of what the profile names.
     pub fn is_near(&self) -> bool {
         let of_attitude = match &self.attitude {

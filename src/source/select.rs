@@ -17,12 +17,12 @@ use std::{cmp::Reverse, collections::BTreeSet};
 use super::{
     Origin, RunnerUp, Source,
     error::{Misfit, TelemetryError, Unfit},
-    profile::Profile,
+    profile::{Profile, ProfileChoice},
     request::{Adapted, Request},
 };
 use crate::{
     decode::{FirstMessages, Proof},
-    log::Log,
+    log::{Log, ReadError},
     sample::{Kind, VelocityFrom},
     text::Foreign,
 };
@@ -229,8 +229,18 @@ impl Source {
         }
         // The most specific come first. The sort is stable, so equals keep their order.
         profiles.sort_by_key(|adapted| Reverse(specificity(adapted.attitude())));
-        let (mut candidates, misfits) = try_profiles(log_search, &profiles)?;
+        let is_asked_for = matches!(request.profile, ProfileChoice::Given(_));
+        let is_last = |adapted: &mut Adapted| adapted.profile.fallback && !is_asked_for;
+        let fallbacks: Vec<Adapted> = profiles.extract_if(.., is_last).collect();
+        let (mut candidates, mut misfits) = try_profiles(log_search, &profiles)?;
         let only_given = request.without_profile();
+        // Those who say where the drone's attitude or its topics are do not mean just any pose.
+        let may_assume = only_given.is_none() && request.namespace.is_none();
+        if candidates.is_empty() && may_assume {
+            let (last, more) = try_profiles(log_search, &fallbacks)?;
+            candidates = last;
+            misfits.extend(more);
+        }
         if only_given.is_some() {
             candidates.retain(|candidate| candidate.adds.is_some());
         }
@@ -252,7 +262,7 @@ impl Source {
         };
         let [Candidate { adapted, fit, .. }] = best.as_slice() else {
             return Err(match best.is_empty() {
-                true => none_fits(log_search, &profiles, &misfits),
+                true => none_fits(log_search, &profiles, misfits)?,
                 false => ambiguity(log_search, &best),
             });
         };
@@ -404,8 +414,18 @@ fn choose(candidates: Vec<Candidate>) -> Option<(Vec<Candidate>, Vec<Candidate>)
     Some((best, rest))
 }
 
-fn none_fits(log_search: &LogSearch, profiles: &[Adapted], misfits: &[RunnerUp]) -> TelemetryError {
-    match (profiles, misfits) {
+fn none_fits(
+    log_search: &LogSearch,
+    profiles: &[Adapted],
+    mut misfits: Vec<RunnerUp>,
+) -> Result<TelemetryError, ReadError> {
+    if !misfits.iter().any(RunnerUp::is_near)
+        && let Some(unreadable) = log_search.first_unreadable()?
+        && let Some(nearest) = misfits.iter_mut().rev().find_map(RunnerUp::nearest_mut)
+    {
+        *nearest = Some(unreadable);
+    }
+    Ok(match (profiles, &misfits[..]) {
         (
             [only],
             [
@@ -420,7 +440,7 @@ fn none_fits(log_search: &LogSearch, profiles: &[Adapted], misfits: &[RunnerUp])
             tried: tried.to_vec(),
             instead: log_search.instead_of_any().into(),
         },
-    }
+    })
 }
 
 fn does_not_fit(log_search: &LogSearch, profile: &Profile, misfit: Misfit) -> TelemetryError {

@@ -136,6 +136,10 @@ check_that_errors_show! {
     a_convention_error_in_parrot_vmeta_shows: "parrot-vmeta",
     a_convention_error_in_parrot_anafi_ros_shows: "parrot-anafi-ros",
     a_convention_error_in_nav_msgs_shows: "nav-msgs",
+    a_convention_error_in_airsim_shows: "airsim",
+    a_convention_error_in_mavsdk_shows: "mavsdk",
+    a_convention_error_in_ros_pose_shows: "ros-pose",
+    a_convention_error_in_flat_units_shows: "flat-units",
     a_convention_error_in_flat_shows: "flat",
     a_convention_error_in_flat_deg_shows: "flat-deg",
 }

@@ -52,6 +52,8 @@ struct Header {
     #[serde(default = "yes")]
     automatic: bool,
     #[serde(default)]
+    fallback: bool,
+    #[serde(default)]
     namespaced: bool,
     #[serde(default)]
     time: SampleTime,
@@ -103,6 +105,7 @@ fn read(document: Spanned<DeTable>) -> Result<Profile, Found> {
         name: header.name,
         description: header.description,
         automatic: header.automatic,
+        fallback: header.fallback,
         namespaced: header.namespaced,
         time: header.time,
         camera: header.camera,

@@ -381,6 +381,18 @@ impl<'a> LogSearch<'a> {
         )?)
     }
 
+    /// The first topic of which the fields cannot be known.
+    pub fn first_unreadable(&self) -> Result<Option<TopicMisfit>, ReadError> {
+        for (topic, channels) in &self.topics {
+            for channel in channels {
+                if let Err(error) = self.schema(channel) {
+                    return Ok(Some(TopicMisfit::new(topic, error.unless_of_reading()?)));
+                }
+            }
+        }
+        Ok(None)
+    }
+
     /// The first messages of a channel, which a stream keeps whichever channels are wanted.
     pub fn first_messages(&self, channel: &Channel) -> Result<FirstMessages<'static>, ReadError> {
         let messages = self.examples.of(channel.id)?;

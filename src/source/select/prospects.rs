@@ -42,7 +42,9 @@ impl Words {
             given.iter().chain(adapted.attitude())
         });
         Self {
-            wanted: alternatives.flat_map(words_of).map(str::to_owned).collect(),
+            wanted: (alternatives.flat_map(names_of).flat_map(words_in))
+                .map(str::to_owned)
+                .collect(),
             found: OnceCell::new(),
         }
     }
@@ -91,13 +93,12 @@ impl LogSearch<'_> {
         if self.examples.fault_of(channel.id).is_some() {
             return Ok(Prospect::Possible);
         }
-        let mut words = words_of(alternative).peekable();
-        let is_there =
-            |word: &str| !is_a_word(word) || found.is_some_and(|found| found.contains(word));
-        if words.peek().is_none() {
-            return Ok(Prospect::Possible);
-        }
-        let (there, missing): (Vec<&str>, Vec<&str>) = words.partition(|word| is_there(word));
+        let is_there = |name: &str| {
+            let has = |word: &str| found.is_some_and(|found| found.contains(word));
+            name.len() > LONGEST_WORD || words_in(name).all(has)
+        };
+        let names = names_of(alternative);
+        let (there, missing): (Vec<&str>, Vec<&str>) = names.partition(|name| is_there(name));
         Ok(match (there.is_empty(), missing.is_empty()) {
             (_, true) => Prospect::Possible,
             (true, false) => Prospect::Hopeless,
@@ -111,8 +112,7 @@ impl LogSearch<'_> {
             for channel in self.topics.values().flatten() {
                 let schema = self.log.contents.schema_of(channel);
                 let data = schema.map_or(&[][..], |schema| schema.data());
-                let is_part = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
-                let words = data.split(|byte| !is_part(byte));
+                let words = data.split(|byte| !is_part_of_a_word(*byte));
                 let words = words.filter_map(|word| std::str::from_utf8(word).ok());
                 let mut words: HashSet<String> = words
                     .filter(|word| self.words.wanted.contains(*word))
@@ -123,11 +123,9 @@ impl LogSearch<'_> {
                     let names = messages
                         .filter_map(Value::as_object)
                         .flat_map(|fields| fields.keys());
-                    words.extend(
-                        names
-                            .filter(|name| self.words.wanted.contains(*name))
-                            .cloned(),
-                    );
+                    let in_names = names.flat_map(|name| words_in(name));
+                    let wanted = in_names.filter(|word| self.words.wanted.contains(*word));
+                    words.extend(wanted.map(str::to_owned));
                 }
                 found.insert(channel.id, words);
             }
@@ -143,7 +141,7 @@ impl LogSearch<'_> {
 
 /// The names without which an alternative reads nothing: those of its outermost fields or, if it knows its messages by filters,
 /// of those that they compare.
-fn words_of(alternative: &Alternative) -> impl Iterator<Item = &str> {
+fn names_of(alternative: &Alternative) -> impl Iterator<Item = &str> {
     let filters = alternative
         .location
         .select
@@ -161,10 +159,12 @@ fn words_of(alternative: &Alternative) -> impl Iterator<Item = &str> {
         })
 }
 
-/// Whether a name stands by itself in a schema that has it.
-fn is_a_word(name: &str) -> bool {
-    let is_plain = name
-        .bytes()
-        .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
-    is_plain && name.len() <= LONGEST_WORD
+/// The words that a name is made of, which stand by themselves in a schema that has it.
+fn words_in(name: &str) -> impl Iterator<Item = &str> {
+    let words = name.split(|c: char| !c.is_ascii() || !is_part_of_a_word(c as u8));
+    words.filter(|word| !word.is_empty())
+}
+
+fn is_part_of_a_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
 }

@@ -499,3 +499,35 @@ fn topics_are_listed_of_a_log_whose_telemetry_is_not_found_and_an_error_says_how
     let printed = prints(&folder, "--topics", 0);
     assert!(names.iter().all(|name| printed.contains(name)), "{printed}");
 }
+
+#[test]
+fn a_lone_pose_is_taken_only_if_nothing_else_fits_and_the_report_says_what_is_assumed() {
+    let lone = log(&[pose("/vrpn/drone/pose")]);
+    let folder = Folder::with(LOG, lone);
+    let assumed = "ros-pose, because no other fits; /vrpn/drone/pose has pose.orientation, assumed to be the drone's and in \
+                   the axes below";
+    assert_reads(&prints(&folder, "", 0), assumed);
+    assert_eq!(
+        reports(&folder, "", 0)["telemetry"]["profile"]["fallback"],
+        true
+    );
+    // Who asks for it says so.
+    let asked = prints(&folder, "--profile ros-pose", 0);
+    assert_reads(
+        &asked,
+        "ros-pose, as asked for; /vrpn/drone/pose has pose.orientation\n",
+    );
+
+    let flown = log(&[pose("/vrpn/drone/pose"), odometry("/odom")]);
+    let report = reports(&Folder::with(LOG, flown), "", 0);
+    assert_eq!(report["telemetry"]["profile"]["name"], "nav-msgs");
+
+    // Those who say where the attitude or the drone's topics are do not mean any pose.
+    let own = twice("/own", json!({ "my_q": [1, 0, 0, 0] }));
+    let beside = log(&[own, pose("/setpoint")]);
+    let given = "--attitude /own.my_q:frd-ned";
+    let report = reports(&Folder::with(LOG, beside), given, 0);
+    assert_eq!(report["telemetry"]["position"], Value::Null, "{report}");
+    let namespaced = log(&[pose("/drone1/pose")]);
+    finds_a_problem(&namespaced, "--namespace /drone1", "no usable telemetry");
+}

@@ -102,9 +102,9 @@ fn topics_with_the_fields_that_were_named_come_before_those_that_profiles_know()
 
 #[test]
 fn a_log_that_no_profile_fits_shows_what_could_be_an_attitude() {
-    let words = "no usable telemetry … flat … could have the attitude: … /pose (json, geometry_msgs/msg/PoseStamped): \
-                 pose.orientation\nthe log has 12 other topics";
-    let error = select_with(&busy(&[pose("/pose")]), &Request::default()).expect_err("an error");
+    let words = "no usable telemetry … flat … could have the attitude: … /imu (json, sensor_msgs/msg/Imu): \
+                 orientation\nthe log has 12 other topics";
+    let error = select_with(&busy(&[imu("/imu")]), &Request::default()).expect_err("an error");
     assert_reads(&error.to_string(), words);
 }
 

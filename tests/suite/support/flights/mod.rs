@@ -25,6 +25,7 @@ mod px4;
 mod px4_ros2;
 mod px4_ulog;
 pub mod ros;
+mod sdk_json;
 
 pub use flat::reference;
 pub use recording::Recording;
@@ -43,6 +44,8 @@ pub fn recordings() -> Vec<Recording> {
         dji_json::recordings(),
         parrot::recordings(),
         nav_msgs::recordings(),
+        nav_msgs::poses(),
+        sdk_json::recordings(),
         flat::recordings(),
     ];
     groups.into_iter().flatten().collect()

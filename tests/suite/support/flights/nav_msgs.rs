@@ -8,6 +8,46 @@ use super::{
     ros::{self, Ros, ros1, ros2},
 };
 
+/// Poses alone, as motion capture has them.
+pub fn poses() -> Vec<Recording> {
+    let flight = || Flight::without_velocity();
+    let recording = |name: &str, message: &'static str, pose: &'static [&'static str; 2]| {
+        let write = move |flight: &Flight, log: &mut Recorder| {
+            let schema = ros2(message);
+            let messages = flight.attitude_times.iter().map(|&time| {
+                let wanted = Wanted::new()
+                    .text("header.frame_id", "world")
+                    .xyzw(pose[0], ros::attitude(flight, time))
+                    .xyz(pose[1], flight::enu(flight.local(time)));
+                let wanted = match message {
+                    "geometry_msgs/TransformStamped" => wanted.text("child_frame_id", "drone"),
+                    _ => wanted,
+                };
+                (time, wanted)
+            });
+            log.topic("/vrpn_client_node/drone/pose", &schema, messages);
+        };
+        Recording::new("ros-pose", name, flight(), write).with_local(1e-9)
+    };
+    vec![
+        recording(
+            "PoseStamped",
+            "geometry_msgs/PoseStamped",
+            &["pose.orientation", "pose.position"],
+        ),
+        recording(
+            "PoseWithCovarianceStamped",
+            "geometry_msgs/PoseWithCovarianceStamped",
+            &["pose.pose.orientation", "pose.pose.position"],
+        ),
+        recording(
+            "TransformStamped",
+            "geometry_msgs/TransformStamped",
+            &["transform.rotation", "transform.translation"],
+        ),
+    ]
+}
+
 pub fn recordings() -> Vec<Recording> {
     let odometry = [
         ("foxglove.Odometry", protobuf("Odometry")),
