@@ -88,8 +88,9 @@ fn attitude(source: &Source, reading: Reading) -> Option<AttitudeReading> {
         Reading::Angles {
             axes, unit, order, ..
         } => {
+            let per_radian = unit.turn() / std::f64::consts::TAU;
             let mut units = ANGLE_UNITS.iter();
-            let unit = units.find(|known| known.name == unit.name())?;
+            let unit = units.find(|known| known.per_own == per_radian)?;
             match order {
                 EulerOrder::YawPitchRoll => (AttitudeReading::angles_in(*unit), axes),
                 _ => (Form::OtherAngles, axes),

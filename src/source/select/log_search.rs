@@ -74,12 +74,14 @@ impl<'a> LogSearch<'a> {
             }
             topics.entry(&channel.topic).or_default().push(channel);
         }
+        let namespace = (request.namespace.as_deref())
+            .map(|namespace| as_topics_begin(namespace, topics.keys().copied()));
         Self {
             log,
             examples,
             proof,
             topics,
-            namespace: request.namespace.as_deref(),
+            namespace,
             requested: &request.roles,
             velocity_from: request.velocity_from,
             thoroughness,
@@ -447,5 +449,19 @@ fn any_or_first_misfit(
     match first_misfit {
         Some(misfit) if fits.is_empty() => Err(misfit.into()),
         _ => Ok(fits),
+    }
+}
+
+/// A namespace without its slash, if the log's topics in it do not begin with one.
+fn as_topics_begin<'a>(
+    namespace: &'a str,
+    mut topics: impl Iterator<Item = &'a str> + Clone,
+) -> &'a str {
+    let without = namespace.trim_start_matches('/');
+    let mut of_namespace = topics.clone();
+    match of_namespace.any(|topic| is_within(topic, namespace)) || without.is_empty() {
+        true => namespace,
+        false if topics.any(|topic| is_within(topic, without)) => without,
+        false => namespace,
     }
 }

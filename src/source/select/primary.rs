@@ -2,11 +2,15 @@
 
 use std::{collections::BTreeMap, ops::ControlFlow};
 
+use mcap::records::Channel;
+
 use super::LogSearch;
 use crate::{
     decode::{
         field::{Shape, Wanted},
-        path::{Comparison, Filter, Literal},
+        path::{Comparison, FieldPath, Filter, Literal},
+        schema::MessageDecoder,
+        value::Slots,
     },
     log::ReadError,
     sample::Kind,
@@ -45,6 +49,11 @@ impl LogSearch<'_> {
                         filter
                     }
                 };
+                // Messages of the only source that is recorded, the first one, need not have its number.
+                let is_first = |filter: &Filter| filter.value == Literal::Number(0_i64.into());
+                let filter = filter.filter(|filter| {
+                    !is_first(filter) || self.any_has(&alternative.location.topics, &primary.among)
+                });
                 alternative.location.select.extend(filter);
             }
         }
@@ -53,24 +62,10 @@ impl LogSearch<'_> {
 
     /// The number that most messages have in a field; `None` if none has any.
     fn most_named(&self, primary: &Primary) -> Result<Option<i64>, ReadError> {
-        let patterns: Vec<Pattern> = primary
-            .topics
-            .iter()
-            .map(|topic| Pattern::new("", topic))
-            .collect();
-        let is_meant = |topic: &str| patterns.iter().any(|pattern| pattern.is_match(topic));
-        let channels = self.topics.iter().filter(|(topic, _)| is_meant(topic));
         let mut counts: BTreeMap<i64, u64> = BTreeMap::new();
         let mut seen = 0;
-        for channel in channels.flat_map(|(_, channels)| channels) {
-            let wanted = Wanted {
-                path: primary.field.clone(),
-                shape: Shape::Number,
-            };
-            let Ok(schema) = self.schema(channel) else {
-                continue;
-            };
-            let Ok((decoder, mut slots)) = schema.decoder(&[wanted]) else {
+        for channel in self.channels_on(&primary.topics) {
+            let Some((decoder, mut slots)) = self.number(channel, &primary.field) else {
                 continue;
             };
             self.log.visit_payloads(channel.id, SEGMENTS, |payload| {
@@ -89,5 +84,27 @@ impl LogSearch<'_> {
         }
         let most = counts.into_iter().max_by_key(|(_, count)| *count);
         Ok(most.map(|(number, _)| number))
+    }
+    /// Whether messages on any of the topics have the field.
+    fn any_has(&self, topics: &[String], field: &FieldPath) -> bool {
+        let mut channels = self.channels_on(topics);
+        channels.any(|channel| self.number(channel, field).is_some())
+    }
+
+    fn channels_on(&self, topics: &[String]) -> impl Iterator<Item = &Channel> {
+        let patterns = topics.iter().map(|topic| Pattern::new("", topic));
+        let patterns: Vec<Pattern> = patterns.collect();
+        let is_meant = move |topic: &str| patterns.iter().any(|pattern| pattern.is_match(topic));
+        let channels = self.topics.iter().filter(move |(topic, _)| is_meant(topic));
+        channels.flat_map(|(_, channels)| channels.iter().copied())
+    }
+
+    /// How to read a number in the messages of a channel, if they have it.
+    fn number(&self, channel: &Channel, field: &FieldPath) -> Option<(MessageDecoder, Slots)> {
+        let wanted = Wanted {
+            path: field.clone(),
+            shape: Shape::Number,
+        };
+        self.schema(channel).ok()?.decoder(&[wanted]).ok()
     }
 }

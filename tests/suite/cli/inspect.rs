@@ -522,12 +522,7 @@ fn a_lone_pose_is_taken_only_if_nothing_else_fits_and_the_report_says_what_is_as
     let report = reports(&Folder::with(LOG, flown), "", 0);
     assert_eq!(report["telemetry"]["profile"]["name"], "nav-msgs");
 
-    // Those who say where the attitude or the drone's topics are do not mean any pose.
-    let own = twice("/own", json!({ "my_q": [1, 0, 0, 0] }));
-    let beside = log(&[own, pose("/setpoint")]);
-    let given = "--attitude /own.my_q:frd-ned";
-    let report = reports(&Folder::with(LOG, beside), given, 0);
-    assert_eq!(report["telemetry"]["position"], Value::Null, "{report}");
+    // Those who say where the drone's topics are do not mean any pose.
     let namespaced = log(&[pose("/drone1/pose")]);
     finds_a_problem(&namespaced, "--namespace /drone1", "no usable telemetry");
 }

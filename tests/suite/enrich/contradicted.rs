@@ -86,8 +86,8 @@ fn a_recorder_that_stamped_nothing_is_refused() {
     folder_with(log).refuses("enrich log.mcap --depression 30", 1, words);
 }
 
-/// A flight whose velocity is east, north, up.
-fn flight_in_enu() -> Folder {
+/// A flight whose velocity is east, north, up, with angles in a unit of which a radian has so many.
+fn flight_in_enu(per_radian: f64) -> Folder {
     let mut log = Logbook::new();
     let channel = log.json("/state");
     let sensors = Sensors {
@@ -98,6 +98,7 @@ fn flight_in_enu() -> Folder {
     let measured = measure(&fly(Manoeuvre::Free, 60.0, 4.0, 3), sensors, 3);
     for ((time, attitude), (_, velocity)) in measured.attitudes.iter().zip(&measured.velocities) {
         let (roll, pitch, yaw) = attitude.euler_angles();
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| angle * per_radian);
         let (east, north, up) = (velocity.y, velocity.x, -velocity.z);
         let json = format!(
             r#"{{"roll":{roll},"pitch":{pitch},"yaw":{yaw},"vx":{east},"vy":{north},"vz":{up}}}"#
@@ -108,10 +109,26 @@ fn flight_in_enu() -> Folder {
 }
 
 #[test]
+fn the_unit_of_the_angles_makes_no_difference() {
+    for (unit, per_radian) in [
+        ("radians", 1.0),
+        ("degrees", 1_f64.to_degrees()),
+        ("centidegrees", 100_f64.to_degrees()),
+    ] {
+        let arguments = format!(
+            "enrich log.mcap --depression 30 --attitude /state.roll,/state.pitch,/state.yaw:{unit}:frd-ned \
+             --velocity /state.vx,/state.vy,/state.vz:ned"
+        );
+        let words = "contradicts how a drone leans where it accelerates";
+        flight_in_enu(per_radian).refuses(&arguments, 1, words);
+    }
+}
+
+#[test]
 fn the_axes_that_fit_are_named_in_the_way_the_user_asked() {
     let contradiction = "the attitude together with the velocity contradicts how a drone leans where it accelerates … \
          what would fit: the velocity read as m/s in enu …";
-    let flight = flight_in_enu();
+    let flight = flight_in_enu(1.0);
     let by_profile =
         format!("{contradiction} name the fields with --velocity, and put :enu after them");
     flight.refuses("enrich log.mcap --depression 30", 1, &by_profile);

@@ -103,6 +103,23 @@ fn a_namespace_is_not_guessed_from_how_much_is_known_of_each_vehicle() {
 }
 
 #[test]
+fn a_namespace_is_found_where_topics_do_not_begin_with_a_slash() {
+    let topics = [
+        pose("drone1/mavros/local_position/pose"),
+        twist("drone1/mavros/local_position/velocity_local"),
+        pose("drone2/mavros/local_position/pose"),
+        twist("drone2/mavros/local_position/velocity_local"),
+    ];
+    refuses(&topics, &[], "in the namespaces drone1, drone2");
+    let namespace = [("--namespace", "/drone1")];
+    selects(
+        &topics,
+        &namespace,
+        ("mavros", topics[0].name, topics[1].name),
+    );
+}
+
+#[test]
 fn a_namespace_may_be_empty() {
     let both = [one(), plain()].concat();
     refuses(

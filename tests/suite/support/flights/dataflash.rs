@@ -55,6 +55,15 @@ pub fn recordings() -> Vec<Recording> {
             log.estimates("NKF1", "NKF4", None);
         })
         .with_local(1e-9),
+        recording("EKF2 before 4.1", in_hundredths(), |log| {
+            log.attitude(in_integers);
+            log.estimates("NKF1", "NKF4", None);
+            let states = log.flight.velocity_times.iter();
+            let states = states.map(|&time| (time, json!({ "SV": 0.5, "PI": 0 })));
+            let states = states.collect();
+            log.write("NKF4", states);
+        })
+        .with_local(1e-9),
         recording("EKF1", in_hundredths(), |log| {
             log.attitude(in_integers);
             log.estimates("EKF1", "EKF4", None);

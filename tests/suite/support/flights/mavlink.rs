@@ -15,6 +15,8 @@ enum Form {
     Dict,
     /// mavlink2rest's, which names the flags.
     Rest,
+    /// mavlink2rest's until October 2025, which has their number in a message.
+    OldRest,
     /// That of `mavlogdump.py --format json`.
     Dump,
 }
@@ -83,8 +85,8 @@ const MESSAGES: [Messages; 6] = [
 
 pub fn recordings() -> Vec<Recording> {
     let forms_of = |messages: &Messages| match messages.gimbal {
-        // One has the flags as a number, the other their names.
-        Gimbal::Device(..) => vec![Form::Dict, Form::Rest],
+        // They have the flags in different ways.
+        Gimbal::Device(..) => vec![Form::Dict, Form::Rest, Form::OldRest],
         Gimbal::Orientation => vec![Form::Dump],
         Gimbal::Status => vec![Form::Dump, Form::Rest],
     };
@@ -150,7 +152,7 @@ impl Form {
     fn topic(self, name: &str) -> String {
         match self {
             Self::Dict => format!("/{name}"),
-            Self::Rest => format!("mavlink/1/1/{name}"),
+            Self::Rest | Self::OldRest => format!("mavlink/1/1/{name}"),
             Self::Dump => name.to_owned(),
         }
     }
@@ -161,10 +163,13 @@ impl Form {
                 fields["mavpackettype"] = name.into();
                 fields
             }
-            Self::Rest => {
+            Self::Rest | Self::OldRest => {
                 fields["type"] = name.into();
                 if let Some(names) = fields.get("flag_names").cloned() {
-                    fields["flags"] = names;
+                    fields["flags"] = match self {
+                        Self::OldRest => json!({ "bits": fields["flags"] }),
+                        _ => names,
+                    };
                 }
                 json!({
                     "header": { "system_id": 1, "component_id": 1, "sequence": 7 }, "message": fields,

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::{
     flight::{Angles, Flight},
     recorder::Recorder,
-    recording::{Recording, Reference},
+    recording::Recording,
 };
 
 pub fn recordings() -> Vec<Recording> {
@@ -62,15 +62,12 @@ fn mavsdk(name: &str, has_angles: bool) -> Recording {
     let write = move |flight: &Flight, log: &mut Recorder| {
         let attitudes = flight.attitude_times.iter();
         let velocities = flight.velocity_times.iter();
-        let gimbals = flight.gimbal_times.iter();
-        let gimbals = gimbals.map(|&time| (time, angles(flight.gimbal_angles(time))));
         match has_angles {
             true => {
                 let messages = attitudes.map(|&time| (time, angles(flight.angles(time))));
                 log.json("/attitude_euler", None, messages);
                 let messages = velocities.map(|&time| (time, velocity(flight.velocity(time))));
                 log.json("/velocity_ned", None, messages);
-                log.json("/camera_attitude_euler", None, gimbals);
                 let places = flight.position_times.iter().map(|&time| {
                     let [latitude, longitude, altitude] = flight.geodetic(time);
                     let place = json!({
@@ -108,11 +105,10 @@ fn mavsdk(name: &str, has_angles: bool) -> Recording {
                     (time, message)
                 });
                 log.json("/position_velocity_ned", None, messages);
-                log.json("/camera_attitude_euler", None, gimbals);
             }
         }
     };
-    let recording = Recording::new("mavsdk", name, flight, write).with_gimbal(Reference::Earth);
+    let recording = Recording::new("mavsdk", name, flight, write);
     match has_angles {
         true => recording.with_geodetic(1e-9),
         false => recording.with_local(1e-9),
