@@ -77,6 +77,23 @@ pub struct MessageDefinition {
     pub field_to_plot: Option<&'static str>,
 }
 
+impl MessageDefinition {
+    fn new(
+        encoding: Encoding,
+        name: &'static str,
+        data: &'static [u8],
+        field_to_plot: Option<&'static str>,
+    ) -> Self {
+        Self {
+            name,
+            message_encoding: encoding.message_encoding(),
+            encoding: encoding.schema_encoding(),
+            data,
+            field_to_plot,
+        }
+    }
+}
+
 /// What every message contains, whatever its type.
 #[derive(Debug, Clone, Copy)]
 struct Header {
@@ -128,6 +145,16 @@ impl Encoding {
             Self::Protobuf => "protobuf",
             Self::Json => "json",
             Self::Ros2 => "cdr",
+        }
+    }
+
+    /// The name in schema records. In protobuf, a definition is a serialised `FileDescriptorSet` of the message's file and
+    /// all that it imports.
+    fn schema_encoding(self) -> &'static str {
+        match self {
+            Self::Protobuf => "protobuf",
+            Self::Json => "jsonschema",
+            Self::Ros2 => "ros2msg",
         }
     }
 

@@ -17,17 +17,20 @@ const FIELD_TO_PLOT: Option<&str> = Some("yaw");
 /// The definitions for ROS 2 are those of `common_interfaces` and `rcl_interfaces`, joined as rosbag2 does.
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => protobuf::definition(
+        Encoding::Protobuf => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!(concat!(env!("OUT_DIR"), "/camera_orientation.bin")),
             FIELD_TO_PLOT,
         ),
-        Encoding::Json => json::definition(
+        Encoding::Json => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!("../../schemas/flightcam.v1.CameraOrientation.json"),
             FIELD_TO_PLOT,
         ),
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "geometry_msgs/msg/QuaternionStamped",
             include_bytes!("../../schemas/geometry_msgs.QuaternionStamped.msg"),
             Some("quaternion.z"),

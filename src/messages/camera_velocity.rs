@@ -15,12 +15,14 @@ const FIELD_TO_PLOT: Option<&str> = Some("x");
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => protobuf::definition(
+        Encoding::Protobuf => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!(concat!(env!("OUT_DIR"), "/camera_velocity.bin")),
             FIELD_TO_PLOT,
         ),
-        Encoding::Json => json::definition(
+        Encoding::Json => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!("../../schemas/flightcam.v1.CameraVelocity.json"),
             FIELD_TO_PLOT,

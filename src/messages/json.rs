@@ -2,25 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Encoding, MessageDefinition, numbers::split_seconds};
-
-/// A definition is a JSON Schema.
-const SCHEMA_ENCODING: &str = "jsonschema";
-
-/// The definition of a message type.
-pub fn definition(
-    name: &'static str,
-    data: &'static [u8],
-    field_to_plot: Option<&'static str>,
-) -> MessageDefinition {
-    MessageDefinition {
-        name,
-        message_encoding: Encoding::Json.message_encoding(),
-        encoding: SCHEMA_ENCODING,
-        data,
-        field_to_plot,
-    }
-}
+use super::numbers::split_seconds;
 
 /// Writes a message. Its numbers have enough digits to be read back exactly.
 pub fn write(message: &impl Serialize, out: &mut Vec<u8>) {

@@ -2,25 +2,7 @@
 
 use prost::Message;
 
-use super::{Encoding, MessageDefinition, numbers::split_seconds};
-
-/// A definition is a serialised `FileDescriptorSet` of the message's file and all that it imports.
-const SCHEMA_ENCODING: &str = "protobuf";
-
-/// The definition of a message type.
-pub fn definition(
-    name: &'static str,
-    data: &'static [u8],
-    field_to_plot: Option<&'static str>,
-) -> MessageDefinition {
-    MessageDefinition {
-        name,
-        message_encoding: Encoding::Protobuf.message_encoding(),
-        encoding: SCHEMA_ENCODING,
-        data,
-        field_to_plot,
-    }
-}
+use super::numbers::split_seconds;
 
 pub fn write(message: &impl Message, out: &mut Vec<u8>) {
     message.encode(out).expect("a vector grows as needed");

@@ -2,24 +2,7 @@
 
 use mcap::records::Channel;
 
-use super::{Encoding, Header, MessageDefinition, cdr::Cdr, numbers::split_seconds};
-
-const SCHEMA_ENCODING: &str = "ros2msg";
-
-/// The definition of a message type.
-pub fn definition(
-    name: &'static str,
-    data: &'static [u8],
-    field_to_plot: Option<&'static str>,
-) -> MessageDefinition {
-    MessageDefinition {
-        name,
-        message_encoding: Encoding::Ros2.message_encoding(),
-        encoding: SCHEMA_ENCODING,
-        data,
-        field_to_plot,
-    }
-}
+use super::{Header, cdr::Cdr, numbers::split_seconds};
 
 /// The last second since 1970 that fits in `builtin_interfaces/Time`, in January 2038. The stamp of a later message is
 /// clamped to the last nanosecond of it; its log time is still right.

@@ -1,10 +1,11 @@
 //! ROS 2's `geometry_msgs/msg/Vector3Stamped`: three numbers, a time and a frame.
 
-use super::{Header, MessageDefinition, cdr::Cdr, ros2};
+use super::{Encoding, Header, MessageDefinition, cdr::Cdr, ros2};
 
 /// The definitions are those of ROS 2's `common_interfaces` and `rcl_interfaces`, joined as rosbag2 does.
 pub fn definition(field_to_plot: &'static str) -> MessageDefinition {
-    ros2::definition(
+    MessageDefinition::new(
+        Encoding::Ros2,
         "geometry_msgs/msg/Vector3Stamped",
         include_bytes!("../../schemas/geometry_msgs.Vector3Stamped.msg"),
         Some(field_to_plot),

@@ -13,7 +13,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<CameraCalibration>("foxglove.CameraCalibration", None)
         }
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "sensor_msgs/msg/CameraInfo",
             include_bytes!("../../../schemas/sensor_msgs.CameraInfo.msg"),
             None,

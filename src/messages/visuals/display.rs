@@ -15,17 +15,20 @@ const FIELD_TO_PLOT: Option<&str> = Some("heading_unwrapped");
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => protobuf::definition(
+        Encoding::Protobuf => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!(concat!(env!("OUT_DIR"), "/camera_display.bin")),
             FIELD_TO_PLOT,
         ),
-        Encoding::Json => json::definition(
+        Encoding::Json => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!("../../../schemas/flightcam.v1.CameraDisplay.json"),
             FIELD_TO_PLOT,
         ),
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "flightcam_msgs/msg/CameraDisplay",
             include_bytes!("../../../schemas/flightcam_msgs.CameraDisplay.msg"),
             FIELD_TO_PLOT,

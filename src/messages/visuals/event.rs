@@ -13,7 +13,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<messages::Event>("foxglove.Event", None)
         }
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "rcl_interfaces/msg/Log",
             include_bytes!("../../../schemas/rcl_interfaces.Log.msg"),
             None,

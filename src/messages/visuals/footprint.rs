@@ -3,7 +3,7 @@
 use foxglove::messages::GeoJson;
 
 use super::{
-    super::{Encoding, Format, MessageDefinition, cdr::Cdr, protobuf, ros2},
+    super::{Encoding, Format, MessageDefinition, cdr::Cdr, protobuf},
     to_foxglove,
 };
 use crate::derived::visual::Footprint;
@@ -13,7 +13,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<GeoJson>("foxglove.GeoJSON", None)
         }
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "foxglove_msgs/msg/GeoJSON",
             include_bytes!("../../../schemas/foxglove_msgs.GeoJSON.msg"),
             None,

@@ -20,7 +20,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<LocationFix>("foxglove.LocationFix", FIELD_TO_PLOT)
         }
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "sensor_msgs/msg/NavSatFix",
             include_bytes!("../../../schemas/sensor_msgs.NavSatFix.msg"),
             FIELD_TO_PLOT,

@@ -14,7 +14,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
             "foxglove.Odometry",
             Some("pose.position.z"),
         ),
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "nav_msgs/msg/Odometry",
             include_bytes!("../../../schemas/nav_msgs.Odometry.msg"),
             Some("pose.pose.position.z"),

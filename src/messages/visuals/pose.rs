@@ -15,7 +15,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<PoseInFrame>("foxglove.PoseInFrame", FIELD_TO_PLOT)
         }
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "geometry_msgs/msg/PoseStamped",
             include_bytes!("../../../schemas/geometry_msgs.PoseStamped.msg"),
             FIELD_TO_PLOT,

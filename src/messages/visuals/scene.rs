@@ -6,7 +6,7 @@ mod update;
 use foxglove::messages::SceneUpdate;
 
 use super::{
-    super::{Encoding, Format, MessageDefinition, protobuf, ros2},
+    super::{Encoding, Format, MessageDefinition, protobuf},
     to_foxglove,
 };
 use crate::derived::visual::Scene;
@@ -16,7 +16,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<SceneUpdate>("foxglove.SceneUpdate", None)
         }
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "visualization_msgs/msg/MarkerArray",
             include_bytes!("../../../schemas/visualization_msgs.MarkerArray.msg"),
             None,

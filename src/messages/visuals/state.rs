@@ -9,17 +9,20 @@ const NAME: &str = "flightcam.v1.CameraState";
 
 pub fn definition(encoding: Encoding) -> MessageDefinition {
     match encoding {
-        Encoding::Protobuf => protobuf::definition(
+        Encoding::Protobuf => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!(concat!(env!("OUT_DIR"), "/camera_state.bin")),
             None,
         ),
-        Encoding::Json => json::definition(
+        Encoding::Json => MessageDefinition::new(
+            encoding,
             NAME,
             include_bytes!("../../../schemas/flightcam.v1.CameraState.json"),
             None,
         ),
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "flightcam_msgs/msg/CameraState",
             include_bytes!("../../../schemas/flightcam_msgs.CameraState.msg"),
             None,

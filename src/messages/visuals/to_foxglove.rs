@@ -9,9 +9,8 @@ use foxglove::{
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::super::{
-    MessageDefinition,
+    Encoding, MessageDefinition,
     numbers::{split_seconds, without_negative_zeros},
-    protobuf,
 };
 use crate::derived::visual;
 
@@ -26,7 +25,7 @@ pub fn definition<M: Encode>(
         // None of them is: they are constants of the crate.
         Cow::Owned(data) => data.leak(),
     };
-    protobuf::definition(name, data, field_to_plot)
+    MessageDefinition::new(Encoding::Protobuf, name, data, field_to_plot)
 }
 
 /// A time. Foxglove's crate has none after February 2106; later ones become its last.

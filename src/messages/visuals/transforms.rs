@@ -13,7 +13,8 @@ pub fn definition(encoding: Encoding) -> MessageDefinition {
         Encoding::Protobuf | Encoding::Json => {
             to_foxglove::definition::<FrameTransforms>("foxglove.FrameTransforms", None)
         }
-        Encoding::Ros2 => ros2::definition(
+        Encoding::Ros2 => MessageDefinition::new(
+            encoding,
             "tf2_msgs/msg/TFMessage",
             include_bytes!("../../../schemas/tf2_msgs.TFMessage.msg"),
             None,
