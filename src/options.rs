@@ -3,7 +3,7 @@
 use std::{collections::BTreeSet, ops::ControlFlow};
 
 use crate::{
-    camera::{Camera, CameraError, Mount},
+    camera::{Camera, CameraError, FieldOfView, Mount},
     derived::{Quantity, visual::VisualTopic},
     geometry::DepressionAngle,
     messages::{EncodingChoice, Topic},
@@ -178,10 +178,13 @@ impl Options {
         !is_given && profile.camera.says_where_it_looks()
     }
 
-    /// Whether the profile says what the camera sees, and the caller does not.
-    pub(crate) fn leaves_field_of_view_to(&self, profile: &Profile) -> bool {
+    /// What the profile says that the camera sees, if the caller does not.
+    pub(crate) fn field_of_view_from(&self, profile: &Profile) -> Option<FieldOfView> {
         let is_given = |visuals: &VisualOptions| visuals.says_what_the_camera_sees();
-        !self.visuals.as_ref().is_some_and(is_given) && profile.camera.field_of_view.is_some()
+        match self.visuals.as_ref().is_some_and(is_given) {
+            true => None,
+            false => profile.camera.field_of_view,
+        }
     }
 
     /// How the camera is mounted as the caller says or, if they do not, the profile.

@@ -56,10 +56,7 @@ impl<'a> Staging<'a> {
         let Some(visuals) = &options.visuals else {
             return Ok(None);
         };
-        let of_profile = match options.leaves_field_of_view_to(profile) {
-            true => profile.camera.field_of_view,
-            false => None,
-        };
+        let of_profile = options.field_of_view_from(profile);
         Ok(Some(Self {
             log: telemetry,
             options: visuals,

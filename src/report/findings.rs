@@ -256,12 +256,12 @@ impl<'a> Findings<'a> {
             notes: self.notes(&output, &written, grown_by),
             visuals: visuals.map(|(staged, options)| {
                 let heights = self.source.topic_of(Kind::Height);
-                let by_profile = (self.options).leaves_field_of_view_to(&self.source.profile);
+                let of_profile = self.options.field_of_view_from(&self.source.profile);
                 VisualsReport::new(
                     options,
                     staged,
                     heights,
-                    by_profile,
+                    of_profile.is_some(),
                     self.calibration.as_ref(),
                 )
             }),

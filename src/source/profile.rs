@@ -134,13 +134,11 @@ impl Profile {
     pub(in crate::source) fn known() -> &'static [Self] {
         static PROFILES: OnceLock<Vec<Profile>> = OnceLock::new();
         PROFILES.get_or_init(|| {
-            let texts = BUILT_IN.iter();
-            texts.map(|text| Self::parse_built_in(text)).collect()
+            BUILT_IN
+                .iter()
+                .map(|text| Self::parse(text).expect("the built-in profiles are tested"))
+                .collect()
         })
-    }
-
-    fn parse_built_in(text: &str) -> Self {
-        Self::parse(text).expect("the built-in profiles are tested")
     }
 
     /// The texts of the built-in profiles, with the sources of their conventions.
@@ -153,14 +151,17 @@ impl Profile {
     /// # Errors
     /// No built-in profile has this name.
     pub fn built_in_text(name: &str) -> Result<&'static str, ProfileError> {
+        Self::place(name).map(|place| BUILT_IN[place])
+    }
+
+    /// The place of a built-in profile among the others.
+    fn place(name: &str) -> Result<usize, ProfileError> {
         let profiles = Self::known();
         let place = profiles.iter().position(|profile| profile.name == name);
-        place
-            .map(|place| BUILT_IN[place])
-            .ok_or_else(|| ProfileError::Unknown {
-                name: name.into(),
-                built_in: profiles.iter().map(|one| (&one.name).into()).collect(),
-            })
+        place.ok_or_else(|| ProfileError::Unknown {
+            name: name.into(),
+            built_in: profiles.iter().map(|one| (&one.name).into()).collect(),
+        })
     }
 
     /// Creates a profile that has no role yet. It needs at least an attitude.
@@ -237,17 +238,14 @@ impl Profile {
     pub fn load(name_or_file: &str) -> Result<Self, ProfileError> {
         match Self::is_in_a_file(name_or_file) {
             true => Ok(OwnProfile::read(Path::new(name_or_file))?.profile),
-            false => Ok(Self::parse_built_in(Self::built_in_text(name_or_file)?)),
+            false => Ok(Self::known()[Self::place(name_or_file)?].clone()),
         }
     }
 
     /// Whether this is the path of a file, and not a name: it ends in `.toml`, or contains a folder.
     pub fn is_in_a_file(name_or_file: &str) -> bool {
         let path = Path::new(name_or_file);
-        let is_toml = path
-            .extension()
-            .is_some_and(|extension| extension == "toml");
-        is_toml || path.components().count() > 1
+        own::is_toml(path) || path.components().count() > 1
     }
 }
 

@@ -97,8 +97,9 @@ pub enum HowAsked {
 impl Request {
     /// How the user asked for a role to be read that is read by this profile.
     pub fn how_asked(&self, role: Kind, profile: &Profile) -> HowAsked {
+        let is_own = self.is_own(&profile.name);
         let profile = (&profile.name).into();
-        match (self.roles.get(&role), self.is_own(&profile)) {
+        match (self.roles.get(&role), is_own) {
             (Some(RoleArgument::Fields(_)), _) => HowAsked::Argument,
             (_, true) => HowAsked::OwnProfile { profile },
             (_, false) => HowAsked::BuiltIn { profile },
@@ -106,10 +107,10 @@ impl Request {
     }
 
     /// Whether the profile of this name that is used is one of the user's own.
-    pub(super) fn is_own(&self, name: &Foreign) -> bool {
+    fn is_own(&self, name: &str) -> bool {
         match &self.profile {
             ProfileChoice::Given(profile) => !Profile::known().contains(profile),
-            ProfileChoice::Automatic => self.is_replaced(name.as_str()),
+            ProfileChoice::Automatic => self.is_replaced(name),
         }
     }
 
@@ -159,7 +160,7 @@ impl Request {
             Some(RoleArgument::Fields(_)) => Some(profile.alternatives(Kind::Attitude).to_vec()),
             _ => None,
         };
-        let is_own = self.is_own(&(&profile.name).into());
+        let is_own = self.is_own(&profile.name);
         self.change(&mut profile);
         Adapted {
             profile,

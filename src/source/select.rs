@@ -425,21 +425,16 @@ fn none_fits(
     {
         *nearest = Some(unreadable);
     }
-    Ok(match (profiles, &misfits[..]) {
-        (
-            [only],
-            [
-                RunnerUp {
-                    attitude: Err(misfit),
-                    ..
-                },
-            ],
-        ) => does_not_fit(log_search, &only.profile, misfit.clone()),
-        (_, tried) => TelemetryError::NotFound {
-            path: log_search.log.file.path().into(),
-            tried: tried.to_vec(),
-            instead: log_search.instead_of_any().into(),
-        },
+    if let [only] = profiles
+        && let [one] = &misfits[..]
+        && let Err(misfit) = &one.attitude
+    {
+        return Ok(does_not_fit(log_search, &only.profile, misfit.clone()));
+    }
+    Ok(TelemetryError::NotFound {
+        path: log_search.log.file.path().into(),
+        tried: misfits,
+        instead: log_search.instead_of_any().into(),
     })
 }
 

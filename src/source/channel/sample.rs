@@ -38,8 +38,8 @@ impl Condition<Slot> {
             }
             Test::Says(wanted) => value.text() == Some(wanted.as_bytes()),
             Test::Contains(part) => value.text().is_some_and(|text| {
-                let mut parts = text.windows(part.len().max(1));
-                part.is_empty() || parts.any(|bytes| bytes == part.as_bytes())
+                let part = part.as_bytes();
+                part.is_empty() || text.windows(part.len()).any(|bytes| bytes == part)
             }),
         })
     }

@@ -63,10 +63,7 @@ impl OwnProfile {
         };
         let paths = entries.map(|entry| Ok(entry?.path()));
         let mut paths = paths.collect::<io::Result<Vec<_>>>().map_err(unreadable)?;
-        paths.retain(|path| {
-            path.extension()
-                .is_some_and(|extension| extension == "toml")
-        });
+        paths.retain(|path| is_toml(path));
         paths.sort();
         let mut all: Vec<Self> = Vec::new();
         for path in paths {
@@ -84,6 +81,12 @@ impl OwnProfile {
         }
         Ok(all)
     }
+}
+
+/// Whether the name of a file ends in `.toml`.
+pub fn is_toml(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension == "toml")
 }
 
 /// Reads a text, of one that is too long only a little more than is allowed.

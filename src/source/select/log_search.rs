@@ -49,7 +49,7 @@ pub struct LogSearch<'a> {
     /// Those that viewers are shown, which are looked for, too.
     pub shown: &'static [Kind],
     /// The words in schemas by which profiles that name no topics find theirs.
-    pub words: Rc<Words>,
+    pub words: Rc<Words<'a>>,
 }
 
 impl<'a> LogSearch<'a> {
@@ -87,7 +87,7 @@ impl<'a> LogSearch<'a> {
             thoroughness,
             kinds,
             shown: &[],
-            words: Rc::new(Words::wanted_by(&request.profiles())),
+            words: Rc::new(Words::wanted_by(request)),
         }
     }
 
@@ -455,13 +455,10 @@ fn any_or_first_misfit(
 /// A namespace without its slash, if the log's topics in it do not begin with one.
 fn as_topics_begin<'a>(
     namespace: &'a str,
-    mut topics: impl Iterator<Item = &'a str> + Clone,
+    topics: impl Iterator<Item = &'a str> + Clone,
 ) -> &'a str {
     let without = namespace.trim_start_matches('/');
-    let mut of_namespace = topics.clone();
-    match of_namespace.any(|topic| is_within(topic, namespace)) || without.is_empty() {
-        true => namespace,
-        false if topics.any(|topic| is_within(topic, without)) => without,
-        false => namespace,
-    }
+    let has_topics = |namespace: &str| topics.clone().any(|topic| is_within(topic, namespace));
+    let is_without = !without.is_empty() && !has_topics(namespace) && has_topics(without);
+    if is_without { without } else { namespace }
 }

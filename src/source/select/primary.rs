@@ -30,29 +30,28 @@ impl LogSearch<'_> {
     /// # Errors
     /// The log cannot be read.
     pub fn settle_primaries(&self, profile: &mut Profile) -> Result<(), ReadError> {
-        let mut known: Vec<(Primary, Option<Filter>)> = Vec::new();
+        let mut known: Vec<(Primary, Option<i64>)> = Vec::new();
         for kind in Kind::ALL {
             for alternative in profile.alternatives_mut(kind) {
                 let Some(primary) = &alternative.location.primary else {
                     continue;
                 };
-                let filter = match known.iter().find(|(one, _)| one == primary) {
-                    Some((_, filter)) => filter.clone(),
+                let number = match known.iter().find(|(one, _)| one == primary) {
+                    Some((_, number)) => *number,
                     None => {
                         let number = self.most_named(primary)?;
-                        let filter = number.map(|number| Filter {
-                            field: primary.among.clone(),
-                            comparison: Comparison::Equal,
-                            value: Literal::Number(number.into()),
-                        });
-                        known.push((primary.clone(), filter.clone()));
-                        filter
+                        known.push((primary.clone(), number));
+                        number
                     }
                 };
                 // Messages of the only source that is recorded, the first one, need not have its number.
-                let is_first = |filter: &Filter| filter.value == Literal::Number(0_i64.into());
-                let filter = filter.filter(|filter| {
-                    !is_first(filter) || self.any_has(&alternative.location.topics, &primary.among)
+                let has_number = |&number: &i64| {
+                    number != 0 || self.any_has(&alternative.location.topics, &primary.among)
+                };
+                let filter = number.filter(has_number).map(|number| Filter {
+                    field: primary.among.clone(),
+                    comparison: Comparison::Equal,
+                    value: Literal::Number(number.into()),
                 });
                 alternative.location.select.extend(filter);
             }
@@ -85,6 +84,7 @@ impl LogSearch<'_> {
         let most = counts.into_iter().max_by_key(|(_, count)| *count);
         Ok(most.map(|(number, _)| number))
     }
+
     /// Whether messages on any of the topics have the field.
     fn any_has(&self, topics: &[String], field: &FieldPath) -> bool {
         let mut channels = self.channels_on(topics);

@@ -18,35 +18,38 @@ use crate::{
     sample::Kind,
     source::{
         profile::{Alternative, Profile},
-        request::Adapted,
+        request::Request,
     },
 };
 
 /// A name of 48 bytes or more may have its length before it, in protobuf's descriptors, as a byte that looks like a part of it.
 const LONGEST_WORD: usize = 47;
 
-/// The words in the schemas and first messages of a log's channels.
-#[derive(Debug, Default)]
-pub struct Words {
-    /// Those that are looked for.
-    wanted: HashSet<String>,
-    /// Those of them that a channel has.
+/// The words by which the profiles that are tried know attitudes, in the schemas and first messages of a log's channels.
+#[derive(Debug)]
+pub struct Words<'a> {
+    request: &'a Request,
+    /// Those that each channel has. They are looked for once, when the first profile goes by what messages have.
     found: OnceCell<BTreeMap<u16, HashSet<String>>>,
 }
 
-impl Words {
-    /// Looks for the words that these profiles know attitudes by.
-    pub fn wanted_by(profiles: &[Adapted]) -> Self {
+impl<'a> Words<'a> {
+    /// Those of the profiles that this request has tried.
+    pub fn wanted_by(request: &'a Request) -> Self {
+        Self {
+            request,
+            found: OnceCell::new(),
+        }
+    }
+
+    fn wanted(&self) -> HashSet<String> {
+        let profiles = self.request.profiles();
         let alternatives = profiles.iter().flat_map(|adapted| {
             let given = adapted.profile.alternatives(Kind::Attitude);
             given.iter().chain(adapted.attitude())
         });
-        Self {
-            wanted: (alternatives.flat_map(names_of).flat_map(words_in))
-                .map(str::to_owned)
-                .collect(),
-            found: OnceCell::new(),
-        }
+        let words = alternatives.flat_map(names_of).flat_map(words_in);
+        words.map(str::to_owned).collect()
     }
 }
 
@@ -107,35 +110,38 @@ impl LogSearch<'_> {
     }
 
     fn words_of(&self, channel_id: u16) -> Result<Option<&HashSet<String>>, ReadError> {
-        if self.words.found.get().is_none() {
-            let mut found = BTreeMap::new();
-            for channel in self.topics.values().flatten() {
-                let schema = self.log.contents.schema_of(channel);
-                let data = schema.map_or(&[][..], |schema| schema.data());
-                let words = data.split(|byte| !is_part_of_a_word(*byte));
-                let words = words.filter_map(|word| std::str::from_utf8(word).ok());
-                let mut words: HashSet<String> = words
-                    .filter(|word| self.words.wanted.contains(*word))
-                    .map(str::to_owned)
-                    .collect();
-                if FirstMessages::tell_the_fields_of(channel) {
-                    let messages = self.examples.of(channel.id)?.iter();
-                    let names = messages
-                        .filter_map(Value::as_object)
-                        .flat_map(|fields| fields.keys());
-                    let in_names = names.flat_map(|name| words_in(name));
-                    let wanted = in_names.filter(|word| self.words.wanted.contains(*word));
-                    words.extend(wanted.map(str::to_owned));
-                }
-                found.insert(channel.id, words);
+        let found = match self.words.found.get() {
+            Some(found) => found,
+            None => {
+                let wanted = self.words.wanted();
+                let channels = self.topics.values().flatten();
+                let found = channels
+                    .map(|channel| Ok((channel.id, self.find_words(channel, &wanted)?)))
+                    .collect::<Result<_, ReadError>>()?;
+                self.words.found.get_or_init(|| found)
             }
-            self.words.found.get_or_init(|| found);
-        }
-        Ok(self
-            .words
-            .found
-            .get()
-            .and_then(|found| found.get(&channel_id)))
+        };
+        Ok(found.get(&channel_id))
+    }
+
+    fn find_words(
+        &self,
+        channel: &Channel,
+        wanted: &HashSet<String>,
+    ) -> Result<HashSet<String>, ReadError> {
+        let schema = self.log.contents.schema_of(channel);
+        let data = schema.map_or(&[][..], |schema| schema.data());
+        let of_schema = data.split(|byte| !is_part_of_a_word(*byte));
+        let of_schema = of_schema.filter_map(|word| std::str::from_utf8(word).ok());
+        let messages = match FirstMessages::tell_the_fields_of(channel) {
+            true => self.examples.of(channel.id)?,
+            false => &[],
+        };
+        let fields = messages.iter().filter_map(Value::as_object);
+        let names = fields.flat_map(|fields| fields.keys());
+        let words = of_schema.chain(names.flat_map(|name| words_in(name)));
+        let words = words.filter(|word| wanted.contains(*word));
+        Ok(words.map(str::to_owned).collect())
     }
 }
 
