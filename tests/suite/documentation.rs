@@ -195,22 +195,19 @@ fn parse(page: &str, toml: &str) -> Profile {
     Profile::parse(toml).unwrap_or_else(|problem| panic!("{page}: {problem}\n{toml}"))
 }
 
-/// The texts of the profiles that are examples.
-fn example_texts() -> Vec<String> {
-    let texts = pages().into_values().flat_map(|text| {
+/// The texts of the profiles that are examples, each with its page.
+fn example_texts() -> Vec<(String, String)> {
+    let texts = pages().into_iter().flat_map(|(page, text)| {
         let blocks = blocks(&text, "toml").into_iter();
-        blocks.map(|toml| toml.to_owned()).collect::<Vec<_>>()
+        blocks.map(move |toml| (page.clone(), toml))
     });
     texts.collect()
 }
 
 /// The profiles that are examples.
 fn examples() -> Vec<Profile> {
-    let examples = pages().into_iter().flat_map(|(page, text)| {
-        let blocks = blocks(&text, "toml").into_iter();
-        blocks.map(move |toml| parse(&page, &toml))
-    });
-    examples.collect()
+    let texts = example_texts().into_iter();
+    texts.map(|(page, toml)| parse(&page, &toml)).collect()
 }
 
 /// A key of the reference, with its row.
@@ -303,10 +300,9 @@ fn every_key_of_a_profile_is_explained_and_every_explained_one_exists() {
         add_keys(&table(profile), "", &mut known);
     }
     // Some keys are short for others, by which they are replaced when a profile is read.
-    let texts = Profile::built_in_texts()
-        .iter()
-        .map(|text| (*text).to_owned());
-    for text in texts.chain(example_texts()) {
+    let built_in = Profile::built_in_texts().iter().map(ToString::to_string);
+    let examples = example_texts().into_iter().map(|(_, toml)| toml);
+    for text in built_in.chain(examples) {
         add_keys(&text.parse().expect("TOML"), "", &mut known);
     }
     let known = known.into_iter().map(|path| match path.split_once('.') {

@@ -7,11 +7,7 @@ use flightcam::{
     log::Log,
     run::Output,
     sample::Kind,
-    source::{
-        Source,
-        profile::{Profile, ProfileChoice},
-        request::Request,
-    },
+    source::{Source, request::Request},
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -27,14 +23,6 @@ fn times(count: usize, topic: Topic) -> Topic {
     Topic {
         messages: messages.cloned().collect(),
         ..topic
-    }
-}
-
-fn own(toml: &str) -> Request {
-    let profile = Profile::parse(toml).expect("a profile");
-    Request {
-        profile: ProfileChoice::Given(Box::new(profile)),
-        ..Request::default()
     }
 }
 

@@ -4,23 +4,11 @@ use flightcam::{
     Error, Note,
     log::Log,
     sample::Kind,
-    source::{
-        Source,
-        profile::{Profile, ProfileChoice},
-        request::Request,
-    },
+    source::{Source, profile::Profile, request::Request},
 };
 use serde_json::{Value, json};
 
 use crate::support::{folder::*, selecting::*, topics::*};
-
-fn own(toml: &str) -> Request {
-    let profile = Profile::parse(toml).unwrap_or_else(|problem| panic!("{problem}: {toml}"));
-    Request {
-        profile: ProfileChoice::Given(Box::new(profile)),
-        ..Request::default()
-    }
-}
 
 /// A profile whose first alternative has a condition, and whose second has none.
 fn with_condition(condition: &str) -> Request {

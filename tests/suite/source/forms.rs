@@ -9,13 +9,9 @@ use serde_json::{Value, json};
 
 use crate::support::{
     folder::*,
-    selecting::select_with,
+    selecting::{parsed, select_with},
     topics::{Topic, log, topic},
 };
-
-fn parsed(toml: &str) -> Profile {
-    Profile::parse(toml).unwrap_or_else(|problem| panic!("{toml}: {problem}"))
-}
 
 #[test]
 fn an_alternative_is_one_for_each_form() {

@@ -12,6 +12,8 @@ use flightcam::{
     },
 };
 
+use crate::support::selecting::parsed;
+
 /// Checks what a profile is written as, against the text of that name, and that it reads as the same profile.
 #[track_caller]
 fn is_written_as(profile: &Profile, name: &str) {
@@ -21,10 +23,6 @@ fn is_written_as(profile: &Profile, name: &str) {
     let expected = fs::read_to_string(&path).expect("the text of that name");
     assert_eq!(written, expected, "{name}");
     assert_eq!(Profile::parse(&written).as_ref(), Ok(profile), "{name}");
-}
-
-fn parsed(toml: &str) -> Profile {
-    Profile::parse(toml).unwrap_or_else(|problem| panic!("{problem}: {toml}"))
 }
 
 #[test]

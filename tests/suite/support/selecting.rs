@@ -39,6 +39,21 @@ pub fn request(arguments: &[(&str, &str)]) -> Request {
     request
 }
 
+/// The profile of a text.
+#[track_caller]
+pub fn parsed(toml: &str) -> Profile {
+    Profile::parse(toml).unwrap_or_else(|problem| panic!("{problem}: {toml}"))
+}
+
+/// A request for the profile of a text.
+#[track_caller]
+pub fn own(toml: &str) -> Request {
+    Request {
+        profile: ProfileChoice::Given(Box::new(parsed(toml))),
+        ..Request::default()
+    }
+}
+
 /// What is selected of a log in a file, which must be the same as from a pipe.
 #[track_caller]
 pub fn select_with(topics: &[Topic], request: &Request) -> Result<Source, Error> {

@@ -5,14 +5,14 @@ use super::{
     flight::{self, Flight},
     recorder::Recorder,
     recording::{Recording, Reference},
-    ros::{self, Ros, ros1},
+    ros::{Ros, ros1},
 };
 
 pub fn recordings() -> Vec<Recording> {
     vec![
         recording("from broadcast", |mut log| {
-            attitude(&mut log);
-            velocity(&mut log);
+            log.quaternion("/dji_osdk_ros/attitude");
+            log.world_velocity("/dji_osdk_ros/velocity");
             log.fix("/dji_osdk_ros/gps_position");
             gimbal(&mut log, "ground_ENU", ["vector.x", "vector.y", "vector.z"]);
         })
@@ -20,7 +20,7 @@ pub fn recordings() -> Vec<Recording> {
         .with_geodetic(1e-9),
         recording("from subscription", |mut log| {
             log.imu("/dji_osdk_ros/imu");
-            velocity(&mut log);
+            log.world_velocity("/dji_osdk_ros/velocity");
             local_position(&mut log);
             gimbal(&mut log, "", ["vector.y", "vector.x", "vector.z"]);
         })
@@ -40,36 +40,6 @@ fn recording(name: &str, write: fn(Ros)) -> Recording {
         })
     };
     Recording::new("dji-osdk", name, Flight::new(), write)
-}
-
-fn attitude(log: &mut Ros) {
-    let flight = log.flight;
-    let message = "geometry_msgs/QuaternionStamped";
-    log.topic(
-        "/dji_osdk_ros/attitude",
-        message,
-        &flight.attitude_times,
-        |time| {
-            Wanted::new()
-                .text("header.frame_id", "body_FLU")
-                .xyzw("quaternion", ros::attitude(flight, time))
-        },
-    );
-}
-
-fn velocity(log: &mut Ros) {
-    let flight = log.flight;
-    let message = "geometry_msgs/Vector3Stamped";
-    log.topic(
-        "/dji_osdk_ros/velocity",
-        message,
-        &flight.velocity_times,
-        |time| {
-            Wanted::new()
-                .text("header.frame_id", "ground_ENU")
-                .xyz("vector", flight::enu(flight.velocity(time)))
-        },
-    );
 }
 
 fn local_position(log: &mut Ros) {

@@ -23,7 +23,7 @@ pub fn recordings() -> Vec<Recording> {
         })
         .with_local(1e-5),
         payload("attitude on the globe", |mut log| {
-            attitude(&mut log);
+            log.quaternion("/psdk_ros2/attitude");
             log.fix("/psdk_ros2/gps_position_fused");
         })
         .with_geodetic(1e-9),
@@ -152,16 +152,10 @@ fn payload(name: &str, write: fn(Ros)) -> Recording {
             pose_frame: "psdk_map_enu",
             drone_frame: "psdk_base_link",
         };
-        let message = "geometry_msgs/Vector3Stamped";
-        let topic = "/psdk_ros2/velocity_ground_fused";
-        log.topic(topic, message, &flight.velocity_times, |time| {
-            Wanted::new()
-                .text("header.frame_id", "psdk_map_enu")
-                .xyz("vector", flight::enu(flight.velocity(time)))
-        });
+        log.world_velocity("/psdk_ros2/velocity_ground_fused");
         log.topic(
             "/psdk_ros2/gimbal_angles",
-            message,
+            "geometry_msgs/Vector3Stamped",
             &flight.gimbal_times,
             |time| {
                 let [roll, pitch, yaw] = flight.gimbal_angles(time);
@@ -176,21 +170,6 @@ fn payload(name: &str, write: fn(Ros)) -> Recording {
         write(log);
     };
     Recording::new("dji-psdk-ros2", name, Flight::new(), write).with_gimbal(Reference::Earth)
-}
-
-fn attitude(log: &mut Ros) {
-    let flight = log.flight;
-    let message = "geometry_msgs/QuaternionStamped";
-    log.topic(
-        "/psdk_ros2/attitude",
-        message,
-        &flight.attitude_times,
-        |time| {
-            Wanted::new()
-                .text("header.frame_id", "psdk_base_link")
-                .xyzw("quaternion", flight::flu_in_enu(flight.attitude(time)))
-        },
-    );
 }
 
 fn fused_position(log: &mut Ros) {

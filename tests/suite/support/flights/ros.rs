@@ -99,6 +99,28 @@ impl Ros<'_> {
         })
     }
 
+    /// `QuaternionStamped`: attitude in ENU.
+    pub fn quaternion(&mut self, topic: &str) -> &mut Self {
+        let (flight, frame) = (self.flight, self.drone_frame);
+        let message = "geometry_msgs/QuaternionStamped";
+        self.topic(topic, message, &flight.attitude_times, |time| {
+            Wanted::new()
+                .text("header.frame_id", frame)
+                .xyzw("quaternion", attitude(flight, time))
+        })
+    }
+
+    /// `Vector3Stamped` with the velocity in ENU.
+    pub fn world_velocity(&mut self, topic: &str) -> &mut Self {
+        let (flight, frame) = (self.flight, self.pose_frame);
+        let message = "geometry_msgs/Vector3Stamped";
+        self.topic(topic, message, &flight.velocity_times, |time| {
+            Wanted::new()
+                .text("header.frame_id", frame)
+                .xyz("vector", flight::enu(flight.velocity(time)))
+        })
+    }
+
     /// `TwistStamped` with the velocity in ENU.
     pub fn world_twist(&mut self, topic: &str) -> &mut Self {
         let (flight, frame) = (self.flight, self.drone_frame);
